@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Plan: the shortest list of passes that shows a scene, with what was rejected and why. Plain data.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "vernier/plan/Frame.h"
+#include "vernier/plan/View.h"
+
+namespace vernier {
+
+// A technique's own parameters of one pass. Immutable; may hold the volume.
+class VERNIER_API PassParams {
+ public:
+  virtual ~PassParams() = default;
+  virtual std::string dump() const = 0;  // one line, no paths, no pointers
+};
+
+struct Resource {
+  std::string name;     // "texture3d", "texture2d x 62", "bricks"
+  std::uint64_t bytes = 0;
+};
+
+// GL state as the pass needs it, for the dump; the executor states all of it itself.
+struct GlState {
+  std::string blend = "off", depth = "off", cull = "off";
+};
+
+struct Pass {
+  std::string name;        // "slice 0"
+  Engine engine = Engine::Native;
+  std::string technique;   // registered name, finds the executor
+  std::vector<std::string> inputs, outputs;
+  GlState gl;
+  std::vector<Resource> resources;
+  double predicted_ms = 0;
+  double predictedError = 0;  // levels of 255
+  std::shared_ptr<const PassParams> params;
+};
+
+struct Rejected {
+  std::string what;  // technique or layer
+  std::string why;   // one sentence
+};
+
+struct Plan {
+  std::vector<Pass> passes;
+  std::vector<Rejected> rejected;
+  std::vector<std::string> notes;    // "layer 1 (shells) needs plugin angiography: not shown"
+  bool showsWholeScene = true;       // false when a layer is kept but cannot be shown
+};
+
+VERNIER_API std::string dumpPlan(const Plan&);
+
+}  // namespace vernier

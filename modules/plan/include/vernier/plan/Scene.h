@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scene: what is to be seen. Plain data, JSON on disk (SceneJson.h). The same Scene drives window, command line,
+// goldens and benchmarks. Positions in patient mm (LPS).
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "vernier/base/Frames.h"
+#include "vernier/base/HalfSpace.h"
+#include "vernier/study/Model.h"
+#include "vernier/volume/Sampling.h"
+
+namespace vernier {
+
+inline constexpr int kSceneSchema = 1;
+
+enum class Projection { Orthographic, Perspective };
+
+// For slices the layer's plane is the picture plane and only zoom, height_mm and pan count. For 3-D pictures the
+// camera is that of DESIGN 9: eye direction (sin a cos e, -cos a cos e, sin e), right (cos a, sin a, 0).
+struct Camera {
+  double azimuth_deg = 0, elevation_deg = 0, roll_deg = 0;
+  Projection projection = Projection::Orthographic;
+  double fov_deg = 30;
+  double zoom = 1;
+  std::optional<double> height_mm;  // height of the picture at zoom 1; absent: fitted to the volume
+  glm::dvec2 pan_mm{0, 0};          // shifts the picture's centre right and up, in its own plane
+  friend bool operator==(const Camera&, const Camera&) = default;
+};
+
+// The plane through `point`; `normal` points towards the viewer, `up` (not parallel to it) is up in the picture after
+// projection onto the plane; right = up x normal. Neither needs unit length; degenerate planes are refused.
+struct Plane {
+  PatientPoint point;
+  PatientVec normal{0, 0, -1};
+  PatientVec up{0, -1, 0};
+  friend bool operator==(const Plane&, const Plane&) = default;
+};
+
+enum class SlabMode { Max, Min, Mean };
+struct Slab {
+  double thickness_mm = 0;  // 0: a single slice. The slab is centred on the plane.
+  SlabMode mode = SlabMode::Max;
+  friend bool operator==(const Slab&, const Slab&) = default;
+};
+
+// One stored frame, unresampled. `source` names an entry of Sources.
+struct ImageLayer {
+  std::string source;
+  std::int64_t index = 0;
+  std::optional<VoiWindow> window;  // absent: the file's first, else automatic
+  std::optional<int> voiLut;        // index of the file's VOI LUT; wins over window
+  Interpolation interpolation = Interpolation::Linear;  // of the display zoom
+  bool invert = false;
+  bool flipHorizontal = false, flipVertical = false;  // said as FLIPPED on the picture
+  friend bool operator==(const ImageLayer&, const ImageLayer&) = default;
+};
+
+struct SliceLayer {
+  std::string source;
+  Plane plane;
+  Slab slab;
+  Interpolation interpolation = Interpolation::Linear;
+  std::optional<VoiWindow> window;
+  bool invert = false;
+  friend bool operator==(const SliceLayer&, const SliceLayer&) = default;
+};
+
+// A layer of a kind that this build does not know itself, or of a plugin: kept verbatim.
+struct CustomLayer {
+  std::string kind;
+  int version = 1;
+  std::string json;  // the whole layer object, canonical text
+  friend bool operator==(const CustomLayer&, const CustomLayer&) = default;
+};
+
+using Layer = std::variant<ImageLayer, SliceLayer, CustomLayer>;
+VERNIER_API std::string kindOf(const Layer&);  // "image", "slice", or the custom kind
+
+struct Rgb {
+  double r = 0, g = 0, b = 0;
+  friend bool operator==(const Rgb&, const Rgb&) = default;
+};
+
+struct Scene {
+  Camera camera;
+  Rgb background;  // display-referred 0..1
+  std::vector<Layer> layers;
+  friend bool operator==(const Scene&, const Scene&) = default;
+};
+
+}  // namespace vernier

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a technique registers, and the host that a plugin registers with. A technique is one way of drawing some kinds
+// of layers on one engine; it never asks who else is there.
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "vernier/base/Result.h"
+#include "vernier/plan/Plan.h"
+#include "vernier/plan/Scene.h"
+#include "vernier/volume/ImageFrame.h"
+#include "vernier/volume/Volume.h"
+
+namespace vernier::gpu {
+class Device;
+}
+
+namespace vernier {
+
+// The data that a scene's layers name. The session fills in what the scene needs before planning.
+struct Sources {
+  std::map<std::string, std::shared_ptr<const Volume>> volumes;
+  std::map<std::pair<std::string, std::int64_t>, std::shared_ptr<const ImageFrame>> images;
+};
+
+// Costs measured on this machine, by technique; without an entry a technique uses its built-in figure.
+struct CostTable {
+  std::map<std::string, double> nsPerSample;
+};
+
+struct PlanContext {
+  const Scene& scene;
+  const View& view;
+  const Quality& quality;
+  const Capabilities& capabilities;
+  const CostTable& costs;
+  const Sources& sources;
+};
+
+struct Technique {
+  std::string name;                 // "mpr.native", "mpr.strips", "mpr.polygon", "image.native"
+  std::vector<std::string> kinds;   // layer kinds that it draws
+  Engine engine = Engine::Native;
+  // The passes that draw the layer, with resources, predicted ms and error. An Error says why it cannot here; its
+  // sentence stands in Plan::rejected. Pure.
+  std::function<Result<std::vector<Pass>>(const Layer&, std::size_t layerIndex, const PlanContext&)> passesFor;
+  // Draws one pass into `images`, adding to its counters. Runs on the render thread; checks the stop token per tile.
+  std::function<Result<void>(const Pass&, Images&, std::stop_token)> execute;
+};
+
+// What a plugin sees of the program. addTechnique refuses a duplicate name. Registration is transactional: when
+// register() fails, nothing of the plugin stays.
+class VERNIER_API Host {
+ public:
+  virtual ~Host() = default;
+  virtual Result<void> addTechnique(Technique) = 0;
+  // The GL device of the render thread, made on first use; GlUnavailable with the reason when there is none. To be
+  // called inside execute() only.
+  virtual Result<gpu::Device*> glDevice() = 0;
+};
+
+class VERNIER_API TechniqueRegistry {
+ public:
+  Result<void> add(Technique);
+  const Technique* find(const std::string& name) const;
+  const std::vector<Technique>& all() const { return techniques_; }
+  std::vector<const Technique*> drawing(const std::string& kind) const;
+
+ private:
+  std::vector<Technique> techniques_;
+};
+
+}  // namespace vernier

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the decoder must know of an object's pixels: computed once from the attributes, in checked arithmetic, and
+// never trusted again from the codec's own header (which must agree). Plain data, no paths, no toolkit types, so that
+// decoding can move into a limited child process. Source: DICOM PS3.3 C.7.6.3, PS3.5 section 8.
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "vernier/base/Api.h"
+#include "vernier/base/Result.h"
+
+namespace vernier {
+
+// Native-endian type of one decoded sample.
+enum class SampleType { U8, I8, U16, I16, U32, I32, F32, F64 };
+VERNIER_API std::uint64_t bytesOf(SampleType);
+
+struct FrameSpec {
+  std::string transferSyntaxUid;
+  std::uint64_t rows = 0, columns = 0;
+  std::uint64_t framesDeclared = 1;  // NumberOfFrames of the object
+  std::uint64_t samplesPerPixel = 1;
+  std::uint32_t bitsAllocated = 0, bitsStored = 0, highBit = 0;
+  bool isSigned = false;
+  bool planar = false;  // PlanarConfiguration 1; decoded output is always interleaved by pixel
+  std::string photometric;
+  SampleType sample = SampleType::U16;  // container of a decoded sample: masked to BitsStored, sign-extended
+
+  // The frames that a call to decode() shall deliver.
+  std::uint64_t firstFrame = 0, frameCount = 1;
+
+  // Bytes of one decoded frame and of the frames asked for; LimitExceeded on overflow or beyond limits.
+  VERNIER_API Result<std::uint64_t> frameBytes() const;
+  VERNIER_API Result<std::uint64_t> outputBytes() const;
+};
+
+}  // namespace vernier

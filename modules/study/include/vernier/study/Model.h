@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The study model: Patient > Study > Series > Stack > slices, plus every file that was looked at. Plain values; no
+// pixels. Lengths mm, positions LPS. Rules: DICOM PS3.3; grouping, splitting and geometry as docs/studies.md states.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vernier/base/GridGeometry.h"
+#include "vernier/base/Result.h"
+#include "vernier/study/Findings.h"
+#include "vernier/study/FrameSpec.h"
+
+namespace vernier {
+
+struct ModalityRescale {
+  double slope = 1, intercept = 0;
+  friend bool operator==(const ModalityRescale&, const ModalityRescale&) = default;
+};
+
+enum class VoiFunction { Linear, LinearExact, Sigmoid };
+struct VoiWindow {
+  double center = 0, width = 0;  // modality values
+  VoiFunction function = VoiFunction::Linear;
+  std::string explanation;
+  friend bool operator==(const VoiWindow&, const VoiWindow&) = default;
+};
+// LUT Descriptor and data of a VOI or modality LUT (PS3.3 C.11.1, C.11.2).
+struct LutTable {
+  double firstMapped = 0;
+  std::uint32_t bits = 0;
+  std::vector<std::uint16_t> data;
+  std::string explanation;
+};
+
+// Position of one frame (Image Plane module or functional groups).
+struct FramePlane {
+  PatientPoint origin;          // centre of the first pixel
+  PatientVec rowDirection;      // direction of increasing column index, unit
+  PatientVec columnDirection;   // direction of increasing row index, unit
+};
+
+// One object of a file. Attribute text is UTF-8.
+struct Instance {
+  std::size_t file = 0;  // index into StudySet::files
+  std::string sopClassUid, sopClassName, sopInstanceUid, transferSyntaxUid;
+  std::string modality;
+  std::optional<std::int64_t> instanceNumber, acquisitionNumber, temporalPosition;
+  std::string frameOfReferenceUid;
+  bool isImage = false;         // an image storage object with pixel data
+  std::string notShown;         // why it is listed but not drawn ("kept, not shown: encapsulated PDF"); empty = drawn
+  FrameSpec pixels;             // valid when isImage and pixelError is empty
+  std::optional<Error> pixelError;   // why its pixels cannot be shown
+  std::optional<FramePlane> plane;   // absent: no geometry
+  glm::dvec2 pixelSpacing_mm{0, 0};  // row\column as in (0028,0030): x = distance between rows; 0 = absent
+  double sliceThickness_mm = 0;
+  ModalityRescale rescale;
+  bool rescaleInvalid = false;       // slope 0 or not finite: stored values are shown, marked "unscaled"
+  std::optional<LutTable> modalityLut;
+  std::vector<VoiWindow> windows;    // valid ones only
+  std::vector<LutTable> voiLuts;
+  std::optional<double> paddingFirst, paddingLast;  // stored values, inclusive; last = first without a range limit
+  std::string unit;                  // "HU", "SUVbw", "stored value"...
+  bool lossy = false;
+  std::string photometric;
+  std::string presentationLutShape;
+  std::string patientOrientation;    // row\column letters, when there is no plane
+  std::optional<double> echoTime_ms;
+  std::vector<std::string> imageType;
+};
+
+// One slice of a stack: a frame of an instance.
+struct SliceRef {
+  std::size_t instance = 0;  // index into StudySet::instances
+  std::uint64_t frame = 0;
+};
+
+enum class StackShape { NoGeometry, Single, Uniform, Sheared, Uneven };
+
+struct Stack {
+  std::vector<SliceRef> slices;    // ascending along the normal; by instance number when there is no geometry
+  std::string label;               // what set it apart in its series, "" when alone: "echo time 90 ms"
+  StackShape shape = StackShape::NoGeometry;
+  GridGeometry grid;               // valid unless NoGeometry
+  std::vector<double> positions_mm;  // along the unit normal row x column
+  double step_mm = 0;              // median, along the normal
+  double shear_deg = 0;
+  double deviation_mm = 0;         // e: largest distance of an origin from the straight even line
+  bool volume3d = false;           // passed 3-D validation: MPR, MIP and DVR are offered
+  std::string why2d;               // else the reason, one sentence
+  std::vector<Finding> findings;
+};
+
+struct Series {
+  std::string seriesUid, studyUid, modality, description;
+  std::optional<std::int64_t> number;
+  std::vector<std::size_t> instances;  // all objects, images and others
+  std::vector<Stack> stacks;           // image stacks, largest first
+  std::vector<Finding> findings;
+};
+struct Study {
+  std::string studyUid, date, time, description, accession;
+  std::vector<std::size_t> series;  // index into StudySet::series
+};
+struct Patient {
+  std::string id, issuer, name, birthDate, sex;
+  std::vector<std::size_t> studies;
+};
+
+enum class FileKind { Image, NonImage, DicomDir, NoSopClass, Unreadable, NotDicom };
+struct FileRecord {
+  std::string path;      // to open it
+  std::string shown;     // relative to what the user named
+  std::uint64_t bytes = 0;
+  FileKind kind = FileKind::NotDicom;
+  std::optional<Error> error;  // one sentence and a next step
+};
+
+struct StudySet {
+  std::vector<FileRecord> files;
+  std::vector<Instance> instances;
+  std::vector<Series> series;
+  std::vector<Study> studies;
+  std::vector<Patient> patients;
+  std::vector<Finding> findings;  // those of no single series
+};
+
+}  // namespace vernier

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Volume: immutable voxels with their place in the patient and their meaning. Stored values in a Buffer; modality
+// value = slope * stored + intercept (per slice when slices differ). Thread-safe: nothing changes after make().
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "vernier/base/Api.h"
+#include "vernier/base/GridGeometry.h"
+#include "vernier/base/Result.h"
+#include "vernier/base/Revision.h"
+#include "vernier/study/Model.h"
+
+namespace vernier {
+
+enum class VoxelType { U8, I8, U16, I16, U32, I32, F32 };
+VERNIER_API std::size_t bytesOf(VoxelType);
+VERNIER_API const char* nameOf(VoxelType);
+
+// Page-aligned memory, huge pages where the system gives them, zeroed; kSlack bytes beyond size() may be read.
+class VERNIER_API Buffer {
+ public:
+  static constexpr std::size_t kSlack = 64;
+  Buffer() = default;
+  static Result<Buffer> make(std::size_t bytes);
+  Buffer(Buffer&&) noexcept;
+  Buffer& operator=(Buffer&&) noexcept;
+  ~Buffer();
+  std::byte* data() { return data_; }
+  const std::byte* data() const { return data_; }
+  std::size_t size() const { return size_; }
+  std::span<std::byte> bytes() { return {data_, size_}; }
+
+ private:
+  std::byte* data_ = nullptr;
+  std::size_t size_ = 0, mapped_ = 0;
+};
+
+// Stored values in [first, last] (and NaN in float volumes) are no-data: excluded from statistics, extrema and
+// interpolation, where the weights of the valid corners are renormalised.
+struct NoDataRange {
+  double first = 0, last = 0;
+};
+
+struct VolumeInfo {
+  GridGeometry grid;
+  VoxelType type = VoxelType::I16;
+  std::vector<ModalityRescale> rescale{ModalityRescale{}};  // one entry when equal for all slices, else one per slice
+  std::optional<NoDataRange> noData;      // in stored values
+  bool paddingInTissueRange = false;      // MR padding 0: excluded from the automatic window only, noData is empty
+  std::string modality, unit = "stored value";
+  std::vector<VoiWindow> windows;         // the file's own, first is the default; may be empty
+  std::vector<LutTable> voiLuts;
+  bool inverted = false;                  // MONOCHROME1 or INVERSE, one inversion in all
+  bool unscaled = false;                  // rescale was refused, stored values are shown
+  bool bridged = false;                   // the user asked to bridge gaps
+  std::string seriesUid, studyUid, frameOfReferenceUid, patientKey;  // patientKey: id + issuer, for equality only
+  std::string title;                      // series description, for the screen
+  std::vector<Finding> findings;
+};
+
+class VERNIER_API Volume {
+ public:
+  // Checks that the buffer has the size that grid and type need and that the grid is invertible.
+  static Result<std::shared_ptr<const Volume>> make(VolumeInfo info, Buffer voxels);
+
+  const VolumeInfo& info() const { return info_; }
+  const GridGeometry& grid() const { return info_.grid; }
+  Revision revision() const { return revision_; }
+  VoxelType type() const { return info_.type; }
+  // Voxel (i, j, k) at index i + columns * (j + rows * k).
+  const std::byte* data() const { return voxels_.data(); }
+  std::size_t bytes() const { return voxels_.size(); }
+  double stored(std::int64_t i, std::int64_t j, std::int64_t k) const;  // indices in range
+  const ModalityRescale& rescaleOf(std::int64_t slice) const {
+    return info_.rescale.size() == 1 ? info_.rescale[0] : info_.rescale[static_cast<std::size_t>(slice)];
+  }
+  double modality(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    const ModalityRescale& r = rescaleOf(k);
+    return r.slope * stored(i, j, k) + r.intercept;
+  }
+  bool isNoData(double storedValue) const {
+    return storedValue != storedValue ||
+           (info_.noData && storedValue >= info_.noData->first && storedValue <= info_.noData->last);
+  }
+  const VoxelFromPatient& voxelFromPatient() const { return voxelFromPatient_; }
+  // Least and greatest modality value without no-data; nullopt when there is none. Computed at make().
+  struct Range {
+    double min = 0, max = 0;
+  };
+  std::optional<Range> modalityRange() const { return range_; }
+
+ private:
+  Volume() = default;
+  VolumeInfo info_;
+  Buffer voxels_;
+  VoxelFromPatient voxelFromPatient_;
+  Revision revision_ = 0;
+  std::optional<Range> range_;
+};
+
+}  // namespace vernier
