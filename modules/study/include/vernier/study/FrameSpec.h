@@ -26,12 +26,28 @@ struct FrameSpec {
   std::string photometric;
   SampleType sample = SampleType::U16;  // container of a decoded sample: masked to BitsStored, sign-extended
 
+  // Not empty where the attributes contradicted each other in a way that every reader settles alike (BitsStored 0 or
+  // above BitsAllocated, HighBit out of range, NumberOfFrames 0): one sentence that says what was taken instead. The
+  // object then carries a finding.
+  std::string corrected;
+
   // The frames that a call to decode() shall deliver.
   std::uint64_t firstFrame = 0, frameCount = 1;
 
   // Bytes of one decoded frame and of the frames asked for; LimitExceeded on overflow or beyond limits.
   VERNIER_API Result<std::uint64_t> frameBytes() const;
   VERNIER_API Result<std::uint64_t> outputBytes() const;
+  // Bytes that one frame takes in a native (not compressed) syntax, rounded up to whole bytes for 1-bit pixels.
+  VERNIER_API Result<std::uint64_t> nativeFrameBytes() const;
+  // Whether a file of this many bytes can hold all frames declared: exact for native syntaxes, the codec's densest
+  // packing for RLE and deflated, a least size per frame for the others. To be asked before memory is set aside.
+  VERNIER_API Result<void> checkFileCanHold(std::uint64_t fileBytes) const;
+
+  bool isFloat() const { return sample == SampleType::F32 || sample == SampleType::F64; }
 };
+
+// The transfer syntaxes that decode() knows.
+enum class SyntaxKind { Unknown, Native, NativeBig, Deflated, Rle, Jpeg, JpegLs, Jpeg2000, DeflatedFrames };
+VERNIER_API SyntaxKind syntaxKind(const std::string& transferSyntaxUid);
 
 }  // namespace vernier
