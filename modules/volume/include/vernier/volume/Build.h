@@ -18,18 +18,19 @@ struct BuildOptions {
   MemoryBudget* budget = nullptr;  // checked before anything is allocated
 };
 
-// Decodes a stack that passed 3-D validation. GeometryRefused with the stack's reason otherwise. Peak memory: at most
-// 1.3 x the volume + 100 MB.
+// Decodes a stack that passed 3-D validation. GeometryRefused with the stack's reason otherwise. Peak memory:
+// at most 1.3 x the volume + 100 MB.
 VERNIER_API Result<std::shared_ptr<const Volume>> buildVolume(const StudySet&, const Series&, const Stack&,
-                                                              const BuildOptions& = {}, const ProgressFn& = {},
-                                                              std::stop_token = {});
+                                                              const BuildOptions& = {},
+                                                              const ProgressFn& = {}, std::stop_token = {});
 
 // Decodes one slice of any image stack. `slice` in [0, stack.slices.size()).
-VERNIER_API Result<std::shared_ptr<const ImageFrame>> buildImageFrame(const StudySet&, const Series&, const Stack&,
-                                                                      std::size_t slice);
+VERNIER_API Result<std::shared_ptr<const ImageFrame>> buildImageFrame(const StudySet&, const Series&,
+                                                                      const Stack&, std::size_t slice);
 
 // MetaImage (.mhd + raw, .mha), 1 channel. Offset and TransformMatrix are taken as LPS mm (ITK's convention).
-VERNIER_API Result<std::shared_ptr<const Volume>> readMetaImage(const std::string& path, const BuildOptions& = {});
+VERNIER_API Result<std::shared_ptr<const Volume>> readMetaImage(const std::string& path,
+                                                                const BuildOptions& = {});
 
 // The window to show first: the file's first, else 1st..99th percentile without padding, never of zero width.
 VERNIER_API VoiWindow defaultWindow(const Volume&);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// ImageFrame: one stored frame, unresampled, in the file's own row and column directions; needs no geometry. Stored
-// values are kept as double-exact floats per sample type; one sample per pixel in this version (colour is listed, not
-// drawn).
+// ImageFrame: one stored frame, unresampled, in the file's own row and column directions; needs no geometry.
+// Stored values are kept as double-exact floats per sample type; one sample per pixel in this version (colour
+// is listed, not drawn).
 #pragma once
 #include <memory>
 #include <optional>
@@ -20,14 +20,14 @@ struct ImageFrameInfo {
   std::optional<NoDataRange> noData;
   std::vector<VoiWindow> windows;
   std::vector<LutTable> voiLuts;
-  VoiWindow autoWindow;              // 1st..99th percentile of the stack without padding; used when there is no other
+  VoiWindow autoWindow;  // 1st..99th percentile of the stack without padding; used when there is no other
   bool inverted = false;
   bool unscaled = false;
   std::string modality, unit = "stored value";
-  std::optional<FramePlane> plane;   // for letters and lengths
+  std::optional<FramePlane> plane;  // for letters and lengths
   std::string patientOrientation;
-  glm::dvec2 pixelSpacing_mm{0, 0};  // row\column; 0 = unknown, lengths in px
-  std::int64_t index = 0, count = 1;   // place in its stack
+  glm::dvec2 pixelSpacing_mm{0, 0};   // row\column; 0 = unknown, lengths in px
+  std::int64_t index = 0, count = 1;  // place in its stack
   std::string title;
   std::vector<Finding> findings;
 };

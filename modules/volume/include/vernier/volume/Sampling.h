@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Probes in double from stored voxels: the truth for what stands on the screen as a number. Never a texture.
+// Interpolates modality values as base/GridGeometry.h says. Each slice has its own half-voxel border in the
+// plane; a corner that is no-data or of a slice whose border the point has left gets no weight, and the
+// weights of the others are renormalised; no weight left = no data. Points up to 1e-9 voxel outside a border
+// count as on it. Thread-safe.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -11,11 +15,14 @@ namespace vernier {
 
 enum class Interpolation { Nearest, Linear };
 
-// Modality value at a patient point, interpolated as GridGeometry.h says (true slice positions, gaps, border held for
-// half a voxel, no-data renormalised over valid corners). nullopt: no data there.
-VERNIER_API std::optional<double> sampleModality(const Volume&, PatientPoint, Interpolation = Interpolation::Linear);
+// Modality value at a patient point, interpolated as GridGeometry.h says (true slice positions, gaps, border
+// held for half a voxel, no-data renormalised over valid corners). nullopt: no data there.
+VERNIER_API std::optional<double> sampleModality(const Volume&, PatientPoint,
+                                                 Interpolation = Interpolation::Linear);
 
-// The nearest stored voxel under a patient point, for the value readout.
+// The voxel with the greatest weight (ties go to the higher index) and its value as stored, for the readout
+// under a patient point. nullopt outside the acquired slices, in a gap too; a padding voxel is told by
+// noData.
 struct StoredProbe {
   std::int64_t i = 0, j = 0, k = 0;
   double stored = 0, modality = 0;

@@ -7,10 +7,12 @@
 
 namespace vernier {
 
-// Grey 0..1 of a modality value; NaN stays NaN. Width <= 0 or not finite: the caller has replaced it (usableWindow).
+// Grey 0..1 of a modality value; NaN stays NaN. Width <= 0 or not finite: the caller has replaced it
+// (usableWindow).
 VERNIER_API double applyVoi(const VoiWindow&, double modality);
 
-// LINEAR and LINEAR_EXACT are clamp((x - lo) / (hi - lo)) with x <= lo -> 0 and x > hi -> 1; lo == hi is a step.
+// LINEAR and LINEAR_EXACT are clamp((x - lo) / (hi - lo)) with x <= lo -> 0 and x > hi -> 1; lo == hi is a
+// step.
 struct VoiRamp {
   double lo = 0, hi = 1;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Volume: immutable voxels with their place in the patient and their meaning. Stored values in a Buffer; modality
-// value = slope * stored + intercept (per slice when slices differ). Thread-safe: nothing changes after make().
+// Volume: immutable voxels with their place in the patient and their meaning. Stored values in a Buffer;
+// modality value = slope * stored + intercept (per slice when slices differ). Thread-safe: nothing changes
+// after make().
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -22,7 +23,8 @@ enum class VoxelType { U8, I8, U16, I16, U32, I32, F32 };
 VERNIER_API std::size_t bytesOf(VoxelType);
 VERNIER_API const char* nameOf(VoxelType);
 
-// Page-aligned memory, huge pages where the system gives them, zeroed; kSlack bytes beyond size() may be read.
+// Page-aligned memory, huge pages where the system gives them, zeroed; kSlack bytes beyond size() may be
+// read.
 class VERNIER_API Buffer {
  public:
   static constexpr std::size_t kSlack = 64;
@@ -41,8 +43,10 @@ class VERNIER_API Buffer {
   std::size_t size_ = 0, mapped_ = 0;
 };
 
-// Stored values in [first, last] (and NaN in float volumes) are no-data: excluded from statistics, extrema and
-// interpolation, where the weights of the valid corners are renormalised.
+// Stored values in [first, last] (and NaN in float volumes) are no-data: excluded from statistics, extrema
+// and interpolation, where the weights of the valid corners are renormalised. Infinite voxels of a float
+// volume become NaN in make() (counted in the finding "non-finite-voxels"), so that NaN is the only test that
+// anybody needs.
 struct NoDataRange {
   double first = 0, last = 0;
 };
@@ -50,24 +54,46 @@ struct NoDataRange {
 struct VolumeInfo {
   GridGeometry grid;
   VoxelType type = VoxelType::I16;
-  std::vector<ModalityRescale> rescale{ModalityRescale{}};  // one entry when equal for all slices, else one per slice
-  std::optional<NoDataRange> noData;      // in stored values
-  bool paddingInTissueRange = false;      // MR padding 0: excluded from the automatic window only, noData is empty
+  std::vector<ModalityRescale> rescale{
+      ModalityRescale{}};             // one entry when equal for all slices, else one per slice
+  std::optional<NoDataRange> noData;  // in stored values
+  bool paddingInTissueRange =
+      false;  // MR padding 0: excluded from the automatic window only, noData is empty
   std::string modality, unit = "stored value";
-  std::vector<VoiWindow> windows;         // the file's own, first is the default; may be empty
+  std::vector<VoiWindow> windows;  // the file's own, first is the default; may be empty
   std::vector<LutTable> voiLuts;
-  bool inverted = false;                  // MONOCHROME1 or INVERSE, one inversion in all
-  bool unscaled = false;                  // rescale was refused, stored values are shown
-  bool bridged = false;                   // the user asked to bridge gaps
-  std::string seriesUid, studyUid, frameOfReferenceUid, patientKey;  // patientKey: id + issuer, for equality only
-  std::string title;                      // series description, for the screen
+  bool inverted = false;  // MONOCHROME1 or INVERSE, one inversion in all
+  bool unscaled = false;  // rescale was refused, stored values are shown
+  bool bridged = false;   // the user asked to bridge gaps
+  std::string seriesUid, studyUid, frameOfReferenceUid,
+      patientKey;     // patientKey: id + issuer, for equality only
+  std::string title;  // series description, for the screen
   std::vector<Finding> findings;
+};
+
+// What the files held, when slopes differ from slice to slice: the voxels of such a volume are modality
+// values (F32, rescale {1, 0}, no-data = NaN, made once at load time), and probes and statistics go back to
+// these.
+struct OriginalVoxels {
+  VoxelType type = VoxelType::I16;
+  std::vector<ModalityRescale> rescale;  // one per slice
+  std::optional<NoDataRange> noData;     // in stored values
+  Buffer voxels;                         // same layout as the volume's
+};
+
+// What a statistics or probe needs of one voxel, from the original stored values.
+struct VoxelValue {
+  double stored = 0, modality = 0;
+  bool noData = false;
 };
 
 class VERNIER_API Volume {
  public:
-  // Checks that the buffer has the size that grid and type need and that the grid is invertible.
+  // Checks sizes in 64 bits, that the grid is invertible and its slice positions ascend, and that the rescale
+  // is usable; finds the range. GeometryRefused, PixelDataShort, PixelDescriptionInvalid or RescaleInvalid
+  // otherwise.
   static Result<std::shared_ptr<const Volume>> make(VolumeInfo info, Buffer voxels);
+  static Result<std::shared_ptr<const Volume>> make(VolumeInfo info, Buffer voxels, OriginalVoxels original);
 
   const VolumeInfo& info() const { return info_; }
   const GridGeometry& grid() const { return info_.grid; }
@@ -76,7 +102,12 @@ class VERNIER_API Volume {
   // Voxel (i, j, k) at index i + columns * (j + rows * k).
   const std::byte* data() const { return voxels_.data(); }
   std::size_t bytes() const { return voxels_.size(); }
-  double stored(std::int64_t i, std::int64_t j, std::int64_t k) const;  // indices in range
+  // stored(), modality() and isNoData() speak of data(), which the engines draw; probe() of the original
+  // stored values, exact in double. They differ only in volumes with hasOriginal(), by the rounding to float.
+  bool hasOriginal() const { return original_.has_value(); }
+  const OriginalVoxels* original() const { return original_ ? &*original_ : nullptr; }
+  VoxelValue probe(std::int64_t i, std::int64_t j, std::int64_t k) const;  // indices in range
+  double stored(std::int64_t i, std::int64_t j, std::int64_t k) const;     // indices in range
   const ModalityRescale& rescaleOf(std::int64_t slice) const {
     return info_.rescale.size() == 1 ? info_.rescale[0] : info_.rescale[static_cast<std::size_t>(slice)];
   }
@@ -89,7 +120,8 @@ class VERNIER_API Volume {
            (info_.noData && storedValue >= info_.noData->first && storedValue <= info_.noData->last);
   }
   const VoxelFromPatient& voxelFromPatient() const { return voxelFromPatient_; }
-  // Least and greatest modality value without no-data; nullopt when there is none. Computed at make().
+  // Least and greatest modality value of data() without no-data; nullopt when all is no-data. Computed at
+  // make().
   struct Range {
     double min = 0, max = 0;
   };
@@ -97,8 +129,14 @@ class VERNIER_API Volume {
 
  private:
   Volume() = default;
+  static Result<std::shared_ptr<const Volume>> makeAny(VolumeInfo&&, Buffer&&,
+                                                       std::optional<OriginalVoxels>&&);
+  std::size_t index(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return static_cast<std::size_t>(i + info_.grid.columns * (j + info_.grid.rows * k));
+  }
   VolumeInfo info_;
   Buffer voxels_;
+  std::optional<OriginalVoxels> original_;
   VoxelFromPatient voxelFromPatient_;
   Revision revision_ = 0;
   std::optional<Range> range_;
