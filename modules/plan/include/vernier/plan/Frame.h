@@ -13,11 +13,11 @@ namespace vernier {
 
 // A count of what was really done; tests assert these, never times.
 struct Counters {
-  std::uint64_t samples = 0;    // interpolated reads of the volume
+  std::uint64_t samples = 0;  // interpolated reads of the volume
   std::uint64_t cells = 0;
   std::uint64_t triangles = 0;
   std::uint64_t passes = 0;
-  std::uint64_t bytesUploaded = 0;   // to GL textures and buffers
+  std::uint64_t bytesUploaded = 0;  // to GL textures and buffers
   std::uint64_t texturesCreated = 0;
   std::uint64_t textures3dCreated = 0;
   Counters& operator+=(const Counters& o) {
@@ -34,7 +34,8 @@ struct Images {
   int width = 0, height = 0;
   std::vector<float> colour;  // RGBA, 4 floats a pixel, display-referred 0..1, before quantisation
   std::vector<float> depth;   // mm along the pixel's ray, kNothing_mm where nothing was hit
-  std::vector<float> values;  // empty, or the modality value before the window, NaN = no data (View::wantValues)
+  std::vector<float>
+      values;  // empty, or the modality value before the window, NaN = no data (View::wantValues)
   Counters counters;
 
   void allocate(int w, int h, bool wantValues) {

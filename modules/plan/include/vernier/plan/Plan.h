@@ -18,7 +18,7 @@ class VERNIER_API PassParams {
 };
 
 struct Resource {
-  std::string name;     // "texture3d", "texture2d x 62", "bricks"
+  std::string name;  // "texture3d", "texture2d x 62", "bricks"
   std::uint64_t bytes = 0;
 };
 
@@ -28,14 +28,17 @@ struct GlState {
 };
 
 struct Pass {
-  std::string name;        // "slice 0"
+  std::string name;  // "slice 0"
   Engine engine = Engine::Native;
-  std::string technique;   // registered name, finds the executor
+  std::string technique;  // registered name, finds the executor
   std::vector<std::string> inputs, outputs;
   GlState gl;
   std::vector<Resource> resources;
   double predicted_ms = 0;
   double predictedError = 0;  // levels of 255
+  // The pass interpolates with the card's texture unit, whose weights have 8 bits: never taken at
+  // `reference`.
+  bool fixedFunctionFiltering = false;
   std::shared_ptr<const PassParams> params;
 };
 
@@ -47,10 +50,12 @@ struct Rejected {
 struct Plan {
   std::vector<Pass> passes;
   std::vector<Rejected> rejected;
-  std::vector<std::string> notes;    // "layer 1 (shells) needs plugin angiography: not shown"
-  bool showsWholeScene = true;       // false when a layer is kept but cannot be shown
+  std::vector<std::string> notes;  // "layer 1 (shells) needs plugin angiography: not shown"
+  bool showsWholeScene = true;     // false when a layer is kept but cannot be shown
 };
 
+// Stable text: the same plan gives the same bytes on every machine. Predictions are rounded (ms to 3 digits,
+// error to 2), lists keep the plan's order.
 VERNIER_API std::string dumpPlan(const Plan&);
 
 }  // namespace vernier

@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// View names that expand to a Scene: stack axial coronal sagittal oblique slab. Conventions (CLINICAL 4): axial is seen
-// from the feet (patient right on screen left, anterior up), coronal from the front, sagittal from the patient's left
-// (anterior on screen left), H up. oblique has the axes right and up of the 3-D camera at azimuth 30, elevation 20 and
-// shows a square whose side is the longest edge of the box of voxel centres (as the peer programs do).
+// View names that expand to a Scene: stack axial coronal sagittal oblique slab. Conventions (DICOM LPS):
+// axial is seen from the feet (patient right on screen left, anterior up), coronal from the front, sagittal
+// from the patient's left (anterior on screen left), H up. They mean the patient's planes, whatever the
+// acquisition's were, and show the whole box of the volume (the fit of PictureGeometry.h). oblique has the
+// axes right and up of the 3-D camera at azimuth 30, elevation 20 and shows a square whose side is the
+// longest edge of the box of voxel centres (as the peer programs do); slab is oblique, 10 mm thick, maximum.
+//
+// Slice numbers count from 0 along the voxel axis closest to the view's normal (slices before rows before
+// columns when two are as close), in the volume's own order. The plane passes through the centre of that
+// voxel slice, and through the volume's centre line along the normal; in an orthogonal volume it passes
+// exactly through voxel centres. The default is the middle slice, count / 2.
 #pragma once
 #include <optional>
 #include <string>
@@ -14,21 +21,41 @@
 namespace vernier {
 
 struct PresetOptions {
-  std::optional<std::int64_t> slice;      // stack: index; axial..: voxel slice nearest; absent: the middle
-  std::optional<Plane> plane;             // replaces the preset's plane
-  std::optional<Slab> slab;               // `slab` alone: 10 mm, max
+  std::optional<std::int64_t>
+      slice;  // stack: frame index; axial, coronal, sagittal: voxel slice; absent: the middle
+  std::optional<Plane> plane;  // replaces the preset's plane; cannot be given together with slice
+  std::optional<Slab> slab;    // `slab` alone: 10 mm, max
   std::optional<VoiWindow> window;
   Interpolation interpolation = Interpolation::Linear;
-  Camera camera;                          // zoom, pan
+  Camera camera;  // zoom, pan; height_mm when it is to differ from the preset's
 };
 
-// The view names of the command line, built or not, and which plugin a name needs.
+// The view names of the command line, built or not, and the plugin that a name needs ("" for an unknown
+// name).
 VERNIER_API const std::vector<std::string>& viewNames();
+VERNIER_API std::string pluginOfView(const std::string& viewName);
 
-// For a volume (all but `stack`). SceneInvalid for an unknown name, NotBuiltYet for one that a later plugin brings.
-VERNIER_API Result<Scene> presetScene(const std::string& viewName, const std::string& source, const Volume&,
-                                      const PresetOptions&);
-// The `stack` view: needs no geometry.
+// The voxel axis (0 columns, 1 rows, 2 slices) along which a view with this normal scrolls, and how many
+// slices it has.
+struct SliceAxis {
+  int axis = 2;
+  std::int64_t count = 0;
+};
+VERNIER_API SliceAxis sliceAxis(const GridGeometry&, PatientVec normal);
+// Where the plane of voxel slice `index` of that axis meets the line along `normal` through the volume's
+// centre.
+VERNIER_API PatientPoint slicePoint(const GridGeometry&, PatientVec normal, std::int64_t index);
+
+// For a volume (all but `stack`). SceneInvalid for an unknown name or for `stack`, NotBuiltYet for a name
+// that a later plugin brings, OptionInvalid for a slice that the volume does not have or that the view does
+// not take.
+VERNIER_API Result<Scene> presetScene(const std::string& viewName, const std::string& source,
+                                      const GridGeometry&, const PresetOptions&);
+inline Result<Scene> presetScene(const std::string& viewName, const std::string& source, const Volume& volume,
+                                 const PresetOptions& options) {
+  return presetScene(viewName, source, volume.grid(), options);
+}
+// The `stack` view: needs no geometry. options.slice is not looked at: `index` is what it became.
 VERNIER_API Scene stackScene(const std::string& source, std::int64_t index, const PresetOptions&);
 
 }  // namespace vernier

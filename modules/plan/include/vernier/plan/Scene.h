@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Scene: what is to be seen. Plain data, JSON on disk (SceneJson.h). The same Scene drives window, command line,
-// goldens and benchmarks. Positions in patient mm (LPS).
+// Scene: what is to be seen. Plain data, JSON on disk (SceneJson.h). The same Scene drives window, command
+// line, goldens and benchmarks. Positions in patient mm (LPS).
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -19,8 +19,8 @@ inline constexpr int kSceneSchema = 1;
 
 enum class Projection { Orthographic, Perspective };
 
-// For slices the layer's plane is the picture plane and only zoom, height_mm and pan count. For 3-D pictures the
-// camera is that of DESIGN 9: eye direction (sin a cos e, -cos a cos e, sin e), right (cos a, sin a, 0).
+// For slices the layer's plane is the picture plane and only zoom, height_mm and pan count. For 3-D pictures
+// the camera is that of DESIGN 9: eye direction (sin a cos e, -cos a cos e, sin e), right (cos a, sin a, 0).
 struct Camera {
   double azimuth_deg = 0, elevation_deg = 0, roll_deg = 0;
   Projection projection = Projection::Orthographic;
@@ -31,8 +31,9 @@ struct Camera {
   friend bool operator==(const Camera&, const Camera&) = default;
 };
 
-// The plane through `point`; `normal` points towards the viewer, `up` (not parallel to it) is up in the picture after
-// projection onto the plane; right = up x normal. Neither needs unit length; degenerate planes are refused.
+// The plane through `point`; `normal` points towards the viewer, `up` (not parallel to it) is up in the
+// picture after projection onto the plane; right = up x normal. Neither needs unit length; degenerate planes
+// are refused.
 struct Plane {
   PatientPoint point;
   PatientVec normal{0, 0, -1};
@@ -51,8 +52,8 @@ struct Slab {
 struct ImageLayer {
   std::string source;
   std::int64_t index = 0;
-  std::optional<VoiWindow> window;  // absent: the file's first, else automatic
-  std::optional<int> voiLut;        // index of the file's VOI LUT; wins over window
+  std::optional<VoiWindow> window;                      // absent: the file's first, else automatic
+  std::optional<int> voiLut;                            // index of the file's VOI LUT; wins over window
   Interpolation interpolation = Interpolation::Linear;  // of the display zoom
   bool invert = false;
   bool flipHorizontal = false, flipVertical = false;  // said as FLIPPED on the picture

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a technique registers, and the host that a plugin registers with. A technique is one way of drawing some kinds
-// of layers on one engine; it never asks who else is there.
+// What a technique registers, and the host that a plugin registers with. A technique is one way of drawing
+// some kinds of layers on one engine; it never asks who else is there.
 #pragma once
 #include <functional>
 #include <map>
@@ -43,24 +43,26 @@ struct PlanContext {
 };
 
 struct Technique {
-  std::string name;                 // "mpr.native", "mpr.strips", "mpr.polygon", "image.native"
-  std::vector<std::string> kinds;   // layer kinds that it draws
+  std::string name;                // "mpr.native", "mpr.strips", "mpr.polygon", "image.native"
+  std::vector<std::string> kinds;  // layer kinds that it draws
   Engine engine = Engine::Native;
-  // The passes that draw the layer, with resources, predicted ms and error. An Error says why it cannot here; its
-  // sentence stands in Plan::rejected. Pure.
-  std::function<Result<std::vector<Pass>>(const Layer&, std::size_t layerIndex, const PlanContext&)> passesFor;
-  // Draws one pass into `images`, adding to its counters. Runs on the render thread; checks the stop token per tile.
+  // The passes that draw the layer, with resources, predicted ms and error. An Error says why it cannot here;
+  // its sentence stands in Plan::rejected. Pure.
+  std::function<Result<std::vector<Pass>>(const Layer&, std::size_t layerIndex, const PlanContext&)>
+      passesFor;
+  // Draws one pass into `images`, adding to its counters. Runs on the render thread; checks the stop token
+  // per tile.
   std::function<Result<void>(const Pass&, Images&, std::stop_token)> execute;
 };
 
-// What a plugin sees of the program. addTechnique refuses a duplicate name. Registration is transactional: when
-// register() fails, nothing of the plugin stays.
+// What a plugin sees of the program. addTechnique refuses a duplicate name. Registration is transactional:
+// when register() fails, nothing of the plugin stays.
 class VERNIER_API Host {
  public:
   virtual ~Host() = default;
   virtual Result<void> addTechnique(Technique) = 0;
-  // The GL device of the render thread, made on first use; GlUnavailable with the reason when there is none. To be
-  // called inside execute() only.
+  // The GL device of the render thread, made on first use; GlUnavailable with the reason when there is none.
+  // To be called inside execute() only.
   virtual Result<gpu::Device*> glDevice() = 0;
 };
 

@@ -19,19 +19,20 @@ enum class EngineChoice { Auto, Native, Gl };
 struct Quality {
   QualityLevel level = QualityLevel::Review;
   EngineChoice engine = EngineChoice::Auto;
-  std::string technique;             // "" = the planner's choice
-  std::optional<double> maxError;    // levels of 255, asked for by the user
+  std::string technique;           // "" = the planner's choice
+  std::optional<double> maxError;  // levels of 255, asked for by the user
   std::optional<double> minFps;
-  double step = 1.0;                 // sampling step along rays and slabs, in smallest voxel spacings: 1 .. 1/32
+  double step = 1.0;  // sampling step along rays and slabs, in smallest voxel spacings: 1 .. 1/32
 };
 
-// What runs here. Filled by the session (doctor prints it); plain data, so that plans can be made for any machine.
+// What runs here. Filled by the session (doctor prints it); plain data, so that plans can be made for any
+// machine.
 struct Capabilities {
   bool native = true;
-  std::string simd;                  // Highway target
+  std::string simd;  // Highway target
   int threads = 1;
   bool gl = false;
-  bool glIsSoftware = true;          // llvmpipe and the like
+  bool glIsSoftware = true;  // llvmpipe and the like
   std::string glRenderer, glVersion, glWhyNot;
   int max3dTexture = 0, maxTexture = 0;
 };

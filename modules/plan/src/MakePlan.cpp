@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "vernier/plan/MakePlan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "Numbers.h"
+#include "vernier/base/Guarded.h"
+
+namespace vernier {
+namespace {
+
+struct Candidate {
+  const Technique* technique = nullptr;
+  std::vector<Pass> passes;
+  double ms = 0, error = 0;
+  bool fixedFunction = false;
+};
+
+// Why a technique is out before it is even asked; "" when it may be asked.
+std::string notAskedFor(const Technique& t, const Quality& quality, const Capabilities& machine) {
+  if (!quality.technique.empty() && t.name != quality.technique)
+    return "the technique " + quality.technique + " was asked for";
+  if (quality.engine == EngineChoice::Native && t.engine != Engine::Native)
+    return "it draws with gl, and native was asked for";
+  if (quality.engine == EngineChoice::Gl && t.engine != Engine::Gl)
+    return "it draws with native, and gl was asked for";
+  if (t.engine == Engine::Native && !machine.native) return "the native engine is not available here";
+  if (t.engine == Engine::Gl && !machine.gl)
+    return "OpenGL is not available here" + (machine.glWhyNot.empty() ? "" : ": " + machine.glWhyNot);
+  return "";
+}
+
+Candidate measured(const Technique& t, std::vector<Pass> passes) {
+  Candidate c{&t, std::move(passes), 0, 0, false};
+  for (Pass& pass : c.passes) {
+    pass.technique = t.name;
+    pass.engine = t.engine;
+    c.ms += pass.predicted_ms;
+    c.error = std::max(c.error, pass.predictedError);
+    c.fixedFunction = c.fixedFunction || pass.fixedFunctionFiltering;
+  }
+  return c;
+}
+
+// Cheaper first, then more exact; equals keep the order of registration.
+bool cheaper(const Candidate& a, const Candidate& b) {
+  return a.ms != b.ms ? a.ms < b.ms : a.error < b.error;
+}
+
+std::string layerName(std::size_t index, const std::string& kind) {
+  return "layer " + std::to_string(index) + " (" + kind + ")";
+}
+
+// Plans one layer after the other into `plan`.
+class Planner {
+ public:
+  Planner(const PlanContext& context, const TechniqueRegistry& techniques, Plan& plan)
+      : context_(context), techniques_(techniques), plan_(plan), goal_(errorGoal(context.quality)) {}
+
+  Result<void> add(std::size_t index) {
+    const Layer& layer = context_.scene.layers[index];
+    const std::string kind = kindOf(layer);
+    const std::vector<const Technique*> drawing = techniques_.drawing(kind);
+    if (drawing.empty()) {
+      const std::string plugin = pluginOf(kind);
+      plan_.notes.push_back(
+          layerName(index, kind) +
+          (plugin.empty() ? " is of a kind that no plugin here draws" : " needs plugin " + plugin) +
+          ": not shown");
+      plan_.showsWholeScene = false;
+      return {};
+    }
+    Result<std::vector<Candidate>> candidates = ask(layer, index, drawing);
+    if (!candidates) return candidates.error();
+    choose(std::move(*candidates), index, kind);
+    return {};
+  }
+
+ private:
+  void reject(const std::string& what, const std::string& why) { plan_.rejected.push_back({what, why}); }
+
+  Result<std::vector<Candidate>> ask(const Layer& layer, std::size_t index,
+                                     const std::vector<const Technique*>& drawing) {
+    std::vector<Candidate> candidates;
+    std::string reasons;
+    std::optional<Error> sceneFault;
+    const auto refuse = [&](const Technique& t, const std::string& why) {
+      reject(t.name, why);
+      reasons += (reasons.empty() ? "" : "; ") + t.name + ": " + why;
+    };
+    for (const Technique* t : drawing) {
+      if (std::string why = notAskedFor(*t, context_.quality, context_.capabilities); !why.empty()) {
+        refuse(*t, why);
+        continue;
+      }
+      // The planner of a technique lives in a plugin: what it throws becomes its reason.
+      Result<std::vector<Pass>> passes =
+          guarded(t->name, [&] { return t->passesFor(layer, index, context_); });
+      if (!passes) {
+        const ErrorCode code = passes.error().code;
+        if (!sceneFault && (code == ErrorCode::PlaneDegenerate || code == ErrorCode::SceneInvalid))
+          sceneFault = passes.error();
+        refuse(*t, passes.error().sentence);
+        continue;
+      }
+      Candidate c = measured(*t, std::move(*passes));
+      if (context_.quality.level == QualityLevel::Reference && c.fixedFunction)
+        refuse(*t, "it filters with 8-bit weights of the card, which reference never takes");
+      else
+        candidates.push_back(std::move(c));
+    }
+    if (!candidates.empty()) return candidates;
+    // A fault of the scene is the same for every technique and says more than that none fits.
+    if (sceneFault) return *sceneFault;
+    return makeError(ErrorCode::NoTechnique,
+                     "Nothing that may be used here can draw " + layerName(index, kindOf(layer)) + " (" +
+                         reasons + "); ask for another engine, technique or quality.",
+                     "/layers/" + std::to_string(index));
+  }
+
+  void choose(std::vector<Candidate> candidates, std::size_t index, const std::string& kind) {
+    const bool preferNative = !context_.capabilities.gl || context_.capabilities.glIsSoftware;
+    const auto nativeFirst = [&](const Candidate& c) {
+      return preferNative && c.technique->engine == Engine::Native;
+    };
+    const auto fits = [&](const Candidate& c) { return c.error <= goal_; };
+    const bool anyFits = std::any_of(candidates.begin(), candidates.end(), fits);
+    const auto better = [&](const Candidate& a, const Candidate& b) {
+      if (fits(a) != fits(b)) return fits(a);
+      if (!anyFits && a.error != b.error) return a.error < b.error;
+      if (nativeFirst(a) != nativeFirst(b)) return nativeFirst(a);
+      return cheaper(a, b);
+    };
+    const auto best = std::min_element(candidates.begin(), candidates.end(), better);
+    for (const Candidate& c : candidates)
+      if (&c != &*best) reject(c.technique->name, whyNot(c, *best));
+    if (!anyFits)
+      plan_.notes.push_back(layerName(index, kind) + ": no technique is predicted to stay within " +
+                            rounded(goal_, 3) + " levels; the most exact one is taken");
+    plan_.passes.insert(plan_.passes.end(), std::make_move_iterator(best->passes.begin()),
+                        std::make_move_iterator(best->passes.end()));
+  }
+
+  std::string whyNot(const Candidate& c, const Candidate& best) const {
+    if (c.error > goal_)
+      return "predicted error " + rounded(c.error, 2) + " levels, " + rounded(goal_, 3) + " asked for";
+    if (best.technique->engine == Engine::Native && c.technique->engine == Engine::Gl &&
+        context_.capabilities.glIsSoftware && c.ms <= best.ms)
+      return "without a card native goes first";
+    return "predicted " + rounded(c.ms, 3) + " ms, " + best.technique->name + " " + rounded(best.ms, 3) +
+           " ms";
+  }
+
+  const PlanContext& context_;
+  const TechniqueRegistry& techniques_;
+  Plan& plan_;
+  double goal_;
+};
+
+// A whole-picture layer covers what lies under it: two of them need a way to be combined, which is not built
+// yet.
+Result<void> checkPairs(const Scene& scene) {
+  std::optional<std::size_t> first;
+  for (std::size_t i = 0; i < scene.layers.size(); ++i) {
+    if (std::holds_alternative<CustomLayer>(scene.layers[i])) continue;
+    if (first)
+      return makeError(ErrorCode::NotBuiltYet,
+                       layerName(*first, kindOf(scene.layers[*first])) + " and " +
+                           layerName(i, kindOf(scene.layers[i])) +
+                           " cannot be shown in one picture yet; keep one of them.",
+                       "/layers/" + std::to_string(i));
+    first = i;
+  }
+  return {};
+}
+
+}  // namespace
+
+double errorGoal(const Quality& quality) {
+  if (quality.maxError) return *quality.maxError;
+  switch (quality.level) {
+    case QualityLevel::Review:
+      return 2.0;
+    case QualityLevel::Reference:
+      return 0.5;
+    case QualityLevel::Draft:
+      break;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+Result<Plan> makePlan(const Scene& scene, const View& view, const Quality& quality,
+                      const Capabilities& capabilities, const CostTable& costs, const Sources& sources,
+                      const TechniqueRegistry& techniques) {
+  if (scene.layers.empty())
+    return makeError(ErrorCode::SceneInvalid,
+                     "The scene has no layers, so there is nothing to show; add one.", "/layers");
+  if (view.width_px < 1 || view.height_px < 1)
+    return makeError(ErrorCode::SceneInvalid,
+                     "The picture has no pixels; give it a width and a height above 0.");
+  if (!std::isfinite(scene.camera.zoom) || !(scene.camera.zoom > 0))
+    return makeError(ErrorCode::SceneInvalid, "The camera's zoom must be a number above 0.", "/camera/zoom");
+  if (!quality.technique.empty() && !techniques.find(quality.technique)) {
+    std::string known;
+    for (const Technique& t : techniques.all()) known += (known.empty() ? "" : ", ") + t.name;
+    return makeError(ErrorCode::NoTechnique,
+                     "No technique is called '" + quality.technique +
+                         "'; there are: " + (known.empty() ? "none (no plugin is loaded)" : known) + ".");
+  }
+  if (Result<void> pairs = checkPairs(scene); !pairs) return pairs.error();
+
+  Plan plan;
+  const PlanContext context{scene, view, quality, capabilities, costs, sources};
+  Planner planner(context, techniques, plan);
+  for (std::size_t i = 0; i < scene.layers.size(); ++i)
+    if (Result<void> added = planner.add(i); !added) return added.error();
+
+  if (quality.minFps) {
+    double ms = 0;
+    for (const Pass& pass : plan.passes) ms += pass.predicted_ms;
+    if (ms * *quality.minFps > 1000)
+      plan.notes.push_back("predicted " + rounded(1000 / ms, 3) + " frames per second, " +
+                           rounded(*quality.minFps, 3) + " asked for");
+  }
+  return plan;
+}
+
+std::string pluginOf(const std::string& kind) {
+  struct Row {
+    const char *kind, *plugin;
+  };
+  constexpr Row rows[] = {{"image", "mpr"},          {"slice", "mpr"},  {"projection", "angiography"},
+                          {"shells", "angiography"}, {"volume", "dvr"}, {"isosurface", "dvr"},
+                          {"surface", "surgery"},    {"lens", "lens"}};
+  for (const Row& row : rows)
+    if (kind == row.kind) return row.plugin;
+  return "";
+}
+
+}  // namespace vernier

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "vernier/plan/PictureGeometry.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace vernier {
+namespace {
+
+bool finite(glm::dvec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+// Unit vector, also for lengths whose square would overflow or vanish; zero for a zero or non-finite vector.
+glm::dvec3 unit(glm::dvec3 v) {
+  if (!finite(v)) return glm::dvec3(0);
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  if (largest == 0) return glm::dvec3(0);
+  return glm::normalize(v / largest);
+}
+
+Error degenerate(const std::string& what) {
+  return makeError(ErrorCode::PlaneDegenerate,
+                   what + "; give a normal and an up vector that are not parallel to it.");
+}
+
+struct Extent {
+  double right_mm = 0, up_mm = 0;  // largest distance from the centre
+};
+
+// How far the volume's box, with half a voxel of border, reaches from `centre` in the picture's directions.
+// Slices of an uneven stack are taken where they are.
+Extent extentAround(PatientPoint centre, glm::dvec3 right, glm::dvec3 up, const GridGeometry& grid) {
+  Extent e;
+  const auto take = [&](double x, double y, double z) {
+    const glm::dvec3 d = (grid.patientFromVoxel * VoxelPoint(x, y, z)).p - centre.p;
+    e.right_mm = std::max(e.right_mm, std::abs(glm::dot(d, right)));
+    e.up_mm = std::max(e.up_mm, std::abs(glm::dot(d, up)));
+  };
+  const double lastColumn = static_cast<double>(grid.columns) - 0.5,
+               lastRow = static_cast<double>(grid.rows) - 0.5;
+  const auto takeSlice = [&](glm::dvec3 origin, double z) {
+    for (double x : {-0.5, lastColumn})
+      for (double y : {-0.5, lastRow}) take(x + origin.x, y + origin.y, z);
+  };
+  if (grid.even()) {
+    takeSlice(glm::dvec3(0), -0.5);
+    takeSlice(glm::dvec3(0), static_cast<double>(grid.slices) - 0.5);
+  } else {
+    takeSlice(grid.sliceOrigin_vox.front(), grid.firstPosition_vox() - 0.5);
+    for (const glm::dvec3& origin : grid.sliceOrigin_vox) takeSlice(origin, origin.z);
+    takeSlice(grid.sliceOrigin_vox.back(), grid.lastPosition_vox() + 0.5);
+  }
+  return e;
+}
+
+std::string opposite(const std::string& letters) {
+  constexpr std::string_view from = "LRAPHF", to = "RLPAFH";
+  std::string out = letters;
+  for (char& c : out) c = to[from.find(c)];
+  return out;
+}
+
+EdgeLetters aroundPicture(const std::string& right, const std::string& down) {
+  return {opposite(right), right, opposite(down), down};
+}
+
+// Two values of Patient Orientation (0020,0020): direction of the rows, then of the columns.
+std::optional<std::array<std::string, 2>> humanOrientation(const std::string& value) {
+  const std::size_t bar = value.find('\\');
+  if (bar == std::string::npos || value.find('\\', bar + 1) != std::string::npos) return std::nullopt;
+  std::array<std::string, 2> both{value.substr(0, bar), value.substr(bar + 1)};
+  for (std::string& s : both) {
+    while (!s.empty() && s.back() == ' ') s.pop_back();
+    while (!s.empty() && s.front() == ' ') s.erase(0, 1);
+    if (s.empty() || s.size() > 3 || s.find_first_not_of("LRAPHF") != std::string::npos) return std::nullopt;
+  }
+  return both;
+}
+
+}  // namespace
+
+Result<SlicePicture> slicePicture(const SliceLayer& layer, const Camera& camera, const View& view,
+                                  const GridGeometry& grid) {
+  if (view.width_px < 1 || view.height_px < 1)
+    return makeError(ErrorCode::SceneInvalid,
+                     "The picture has no pixels; give it a width and a height above 0.");
+  if (!(camera.zoom > 0) || (camera.height_mm && !(*camera.height_mm > 0)))
+    return makeError(ErrorCode::SceneInvalid, "The camera's zoom and height_mm must be above 0.", "/camera");
+  if (!finite(layer.plane.point.p) || !std::isfinite(camera.zoom) || !std::isfinite(camera.pan_mm.x) ||
+      !std::isfinite(camera.pan_mm.y) || (camera.height_mm && !std::isfinite(*camera.height_mm)))
+    return degenerate("The plane's point or the camera is not finite");
+  const glm::dvec3 normal = unit(layer.plane.normal.v);
+  const glm::dvec3 wanted = unit(layer.plane.up.v);
+  if (normal == glm::dvec3(0)) return degenerate("The plane's normal has no length or is not finite");
+  if (wanted == glm::dvec3(0)) return degenerate("The plane's up vector has no length or is not finite");
+  const glm::dvec3 across = glm::cross(wanted, normal);
+  if (!(glm::length(across) >= 1e-6)) return degenerate("The plane's up vector is parallel to its normal");
+  const glm::dvec3 right = glm::normalize(across);
+  const glm::dvec3 up = glm::cross(normal, right);
+
+  SlicePicture picture;
+  if (camera.height_mm) {
+    picture.mmPerPixel = *camera.height_mm / view.height_px;
+  } else {
+    const Extent e = extentAround(layer.plane.point, right, up, grid);
+    picture.mmPerPixel = std::max(2 * e.right_mm / view.width_px, 2 * e.up_mm / view.height_px);
+  }
+  picture.mmPerPixel /= camera.zoom;
+  if (!std::isfinite(picture.mmPerPixel) || !(picture.mmPerPixel > 0))
+    return degenerate("The picture's scale is not a finite number above 0");
+  picture.normal = PatientVec(normal);
+  picture.right = PatientVec(right * picture.mmPerPixel);
+  picture.down = PatientVec(-up * picture.mmPerPixel);
+  const glm::dvec3 centre = layer.plane.point.p + right * camera.pan_mm.x + up * camera.pan_mm.y;
+  picture.origin = PatientPoint(centre - picture.right.v * (0.5 * view.width_px) -
+                                picture.down.v * (0.5 * view.height_px));
+  return picture;
+}
+
+ImagePicture imagePicture(const ImageLayer& layer, const Camera& camera, const View& view,
+                          const ImageFrameInfo& frame) {
+  const auto usable = [](double mm) { return mm >= 1e-4 && mm <= 1e3; };
+  const bool known = usable(frame.pixelSpacing_mm.x) && usable(frame.pixelSpacing_mm.y);
+  const double rowStep = known ? frame.pixelSpacing_mm.x : 1.0;     // between rows: down the picture
+  const double columnStep = known ? frame.pixelSpacing_mm.y : 1.0;  // between columns: across
+  const double width = static_cast<double>(frame.columns) * columnStep;
+  const double height = static_cast<double>(frame.rows) * rowStep;
+  double perPixel = std::max(width / view.width_px, height / view.height_px);  // mm, or columns
+  if (known && camera.height_mm) perPixel = *camera.height_mm / view.height_px;
+  perPixel /= camera.zoom;
+
+  ImagePicture p;
+  p.pxPerColumn = columnStep / perPixel;
+  p.pxPerRow = rowStep / perPixel;
+  p.mmPerPixel = known ? perPixel : 0;
+  const double centreX = 0.5 * view.width_px - camera.pan_mm.x / perPixel;
+  const double centreY = 0.5 * view.height_px + camera.pan_mm.y / perPixel;
+  if (layer.flipHorizontal) p.pxPerColumn = -p.pxPerColumn;
+  if (layer.flipVertical) p.pxPerRow = -p.pxPerRow;
+  p.x0 = centreX - 0.5 * static_cast<double>(frame.columns) * p.pxPerColumn;
+  p.y0 = centreY - 0.5 * static_cast<double>(frame.rows) * p.pxPerRow;
+  return p;
+}
+
+std::string lettersOf(PatientVec direction) {
+  const glm::dvec3 d = unit(direction.v);
+  std::array<int, 3> order{0, 1, 2};
+  // Components that differ by rounding only count as equal, so that a diagonal always reads the same.
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return std::abs(d[a]) > std::abs(d[b]) + 1e-9; });
+  constexpr char positive[] = {'L', 'P', 'H'}, negative[] = {'R', 'A', 'F'};
+  std::string letters;
+  for (int axis : order)
+    if (std::abs(d[axis]) > 0.1) letters += d[axis] > 0 ? positive[axis] : negative[axis];
+  return letters;
+}
+
+EdgeLetters edgeLetters(const SlicePicture& picture) {
+  return aroundPicture(lettersOf(picture.right), lettersOf(picture.down));
+}
+
+EdgeLetters edgeLetters(const ImageLayer& layer, const ImageFrameInfo& frame) {
+  std::string right, down;
+  if (frame.plane) {
+    right = lettersOf(frame.plane->rowDirection);
+    down = lettersOf(frame.plane->columnDirection);
+  } else if (const auto both = humanOrientation(frame.patientOrientation)) {
+    right = (*both)[0];
+    down = (*both)[1];
+  }
+  if (layer.flipHorizontal) right = opposite(right);
+  if (layer.flipVertical) down = opposite(down);
+  return aroundPicture(right, down);
+}
+
+}  // namespace vernier

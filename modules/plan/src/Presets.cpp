@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "vernier/plan/Presets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace vernier {
+namespace {
+
+struct ViewName {
+  const char* name;
+  const char* plugin;
+};
+constexpr ViewName kViews[] = {
+    {"stack", "mpr"},
+    {"axial", "mpr"},
+    {"coronal", "mpr"},
+    {"sagittal", "mpr"},
+    {"oblique", "mpr"},
+    {"slab", "mpr"},
+    {"mip", "angiography"},
+    {"minip", "angiography"},
+    {"sum", "angiography"},
+    {"mean", "angiography"},
+    {"shells", "angiography"},
+    {"shells-sum", "angiography"},
+    {"shells-lit", "angiography"},
+    {"attenuation", "angiography"},
+    {"dvr", "dvr"},
+    {"dvr-shaded", "dvr"},
+    {"iso", "dvr"},
+    {"lens", "lens"},
+};
+
+glm::dvec3 sliceCentre_vox(const GridGeometry& grid, int axis, std::int64_t index) {
+  glm::dvec3 c{0.5 * static_cast<double>(grid.columns - 1), 0.5 * static_cast<double>(grid.rows - 1),
+               0.5 * (grid.firstPosition_vox() + grid.lastPosition_vox())};
+  if (axis == 2 && !grid.even()) {
+    const glm::dvec3& origin = grid.sliceOrigin_vox[static_cast<std::size_t>(index)];
+    return {c.x + origin.x, c.y + origin.y, origin.z};
+  }
+  c[axis] = static_cast<double>(index);
+  return c;
+}
+
+// The plane of the 3-D camera at azimuth 30, elevation 20 through the volume's centre.
+Plane obliquePlane(const GridGeometry& grid) {
+  const double a = 30 * std::numbers::pi / 180, e = 20 * std::numbers::pi / 180;
+  const double sa = std::sin(a), ca = std::cos(a), se = std::sin(e), ce = std::cos(e);
+  return {grid.centre(), PatientVec(sa * ce, -ca * ce, se), PatientVec(-sa * se, ca * se, ce)};
+}
+
+double longestEdge_mm(const GridGeometry& grid) {
+  const glm::dmat3& m = grid.patientFromVoxel.linear;
+  const double edge = std::max({glm::length(m[0]) * static_cast<double>(grid.columns - 1),
+                                glm::length(m[1]) * static_cast<double>(grid.rows - 1),
+                                glm::length(m[2]) * (grid.lastPosition_vox() - grid.firstPosition_vox())});
+  return edge > 0 ? edge : std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
+}
+
+}  // namespace
+
+const std::vector<std::string>& viewNames() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> v;
+    for (const ViewName& view : kViews) v.emplace_back(view.name);
+    return v;
+  }();
+  return names;
+}
+
+std::string pluginOfView(const std::string& viewName) {
+  for (const ViewName& view : kViews)
+    if (viewName == view.name) return view.plugin;
+  return "";
+}
+
+SliceAxis sliceAxis(const GridGeometry& grid, PatientVec normal) {
+  const std::int64_t counts[] = {grid.columns, grid.rows, grid.slices};
+  SliceAxis best;
+  double closest = -1;
+  for (int axis : {2, 1, 0}) {
+    const double c = std::abs(glm::dot(glm::normalize(grid.patientFromVoxel.linear[axis]), normal.v));
+    if (c > closest + 1e-9 * glm::length(normal.v)) {
+      closest = c;
+      best = {axis, counts[axis]};
+    }
+  }
+  return best;
+}
+
+PatientPoint slicePoint(const GridGeometry& grid, PatientVec normal, std::int64_t index) {
+  const int axis = sliceAxis(grid, normal).axis;
+  const PatientPoint onSlice = grid.patientFromVoxel * VoxelPoint(sliceCentre_vox(grid, axis, index));
+  // In a sheared or oblique volume the slice's centre wanders sideways; the view must not.
+  const glm::dvec3 n = glm::normalize(normal.v);
+  const glm::dvec3 fromCentre = onSlice.p - grid.centre().p;
+  const glm::dvec3 sideways = fromCentre - n * glm::dot(fromCentre, n);
+  if (glm::length(sideways) <= 1e-9 * (1 + glm::length(fromCentre)))
+    return onSlice;  // exactly on voxel centres
+  return PatientPoint(onSlice.p - sideways);
+}
+
+Result<Scene> presetScene(const std::string& viewName, const std::string& source, const GridGeometry& grid,
+                          const PresetOptions& options) {
+  static const std::map<std::string, Plane> patientPlanes = {
+      {"axial", {{}, PatientVec(0, 0, -1), PatientVec(0, -1, 0)}},
+      {"coronal", {{}, PatientVec(0, -1, 0), PatientVec(0, 0, 1)}},
+      {"sagittal", {{}, PatientVec(1, 0, 0), PatientVec(0, 0, 1)}},
+  };
+  const std::string plugin = pluginOfView(viewName);
+  if (plugin.empty())
+    return makeError(ErrorCode::SceneInvalid,
+                     "There is no view called '" + viewName +
+                         "'; views are: stack, axial, coronal, sagittal, oblique, slab.");
+  if (plugin != "mpr")
+    return makeError(ErrorCode::NotBuiltYet,
+                     "The view '" + viewName + "' comes with the plugin " + plugin +
+                         ", which is not built yet; use axial, coronal, sagittal, oblique or slab.");
+  if (viewName == "stack")
+    return makeError(ErrorCode::SceneInvalid,
+                     "The view 'stack' shows stored frames and is not made from a volume.");
+
+  SliceLayer layer;
+  layer.source = source;
+  layer.interpolation = options.interpolation;
+  layer.window = options.window;
+  Scene scene;
+  scene.camera = options.camera;
+  if (const auto found = patientPlanes.find(viewName); found != patientPlanes.end()) {
+    layer.plane = found->second;
+    const SliceAxis axis = sliceAxis(grid, layer.plane.normal);
+    const std::int64_t index = options.slice.value_or(axis.count / 2);
+    if (index < 0 || index >= axis.count)
+      return makeError(ErrorCode::OptionInvalid,
+                       "Slice " + std::to_string(index) + " does not exist: the volume has slices 0 to " +
+                           std::to_string(axis.count - 1) + " in this view.",
+                       "slice");
+    layer.plane.point = slicePoint(grid, layer.plane.normal, index);
+  } else {
+    if (options.slice)
+      return makeError(ErrorCode::OptionInvalid,
+                       "The view '" + viewName + "' has no slice numbers; give it a plane.", "slice");
+    layer.plane = obliquePlane(grid);
+    if (!scene.camera.height_mm) scene.camera.height_mm = longestEdge_mm(grid);
+    if (viewName == "slab") layer.slab = Slab{10.0, SlabMode::Max};
+  }
+  if (options.plane && options.slice)
+    return makeError(ErrorCode::OptionInvalid,
+                     "A plane and a slice number were both given; give one of them.", "slice");
+  if (options.plane) layer.plane = *options.plane;
+  if (options.slab) layer.slab = *options.slab;
+  scene.layers.emplace_back(std::move(layer));
+  return scene;
+}
+
+Scene stackScene(const std::string& source, std::int64_t index, const PresetOptions& options) {
+  ImageLayer layer;
+  layer.source = source;
+  layer.index = index;
+  layer.window = options.window;
+  layer.interpolation = options.interpolation;
+  Scene scene;
+  scene.camera = options.camera;
+  scene.layers.emplace_back(std::move(layer));
+  return scene;
+}
+
+}  // namespace vernier
