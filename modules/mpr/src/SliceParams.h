@@ -25,6 +25,10 @@ struct SliceParams final : PassParams {
 // spacing)), at least 1; thickness 0 is a single slice.
 Result<std::shared_ptr<const SliceParams>> sliceParams(const Layer&, const PlanContext&);
 
+// Gives the images the view's size. Native techniques write every pixel, so buffers of the right size are taken as they
+// are: a caller that hands in the last frame's images again saves the time of fresh memory.
+void fitImages(Images&, const View&);
+
 Technique nativeSliceTechnique();
 Technique nativeImageTechnique();
 Technique stripsTechnique(Host&);

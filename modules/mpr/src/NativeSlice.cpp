@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// mpr.native: slices and slabs by the SIMD kernels of module native. No GL, no texture, one pass.
+#include <algorithm>
+#include <cmath>
+
+#include "SliceParams.h"
+#include "vernier/native/Slice.h"
+
+namespace vernier::mpr {
+namespace {
+
+// Built-in cost of one sample of one thread, measured; the table of this machine wins.
+constexpr double kFast_ns = 2.5, kGeneral_ns = 40.0;
+
+native::SliceJob jobOf(const SliceParams& p) {
+  native::SliceJob job;
+  job.volume = p.volume.get();
+  job.picture = p.picture;
+  job.width_px = p.view.width_px;
+  job.height_px = p.view.height_px;
+  job.interpolation = p.interpolation;
+  job.slab = p.slab;
+  job.slabSamples = p.slabSamples;
+  job.window = p.window;
+  job.invert = p.invert;
+  job.background = p.background;
+  return job;
+}
+
+double predicted_ms(const SliceParams& p, const PlanContext& context) {
+  const auto known = context.costs.nsPerSample.find("mpr.native");
+  const double ns = known != context.costs.nsPerSample.end() ? known->second
+                    : native::drawsFast(jobOf(p))            ? kFast_ns
+                                                             : kGeneral_ns;
+  const double samples = static_cast<double>(p.view.width_px) * p.view.height_px * p.slabSamples;
+  return samples * ns * 1e-6 / std::max(1, context.capabilities.threads);
+}
+
+// Levels of 255. A single slice: the kernels' bound of 1e-4 of the local range, which is at most the
+// volume's. A slab also misses what lies between its samples; measured at one sample per smallest spacing on
+// CT heads, halved with the step.
+double predictedError(const SliceParams& p, const PlanContext& context) {
+  const auto range = p.volume->modalityRange();
+  const double contrast = range ? (range->max - range->min) / p.window.width : 1.0;
+  const double arithmetic = std::min(255.0, 255.0 * 1e-6 * contrast);
+  return p.slabSamples > 1 ? arithmetic + 4.0 * context.quality.step : arithmetic;
+}
+
+Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
+  Result<std::shared_ptr<const SliceParams>> params = sliceParams(layer, context);
+  if (!params) return params.error();
+  Pass pass;
+  pass.name = "slice " + std::to_string(index);
+  pass.engine = Engine::Native;
+  pass.technique = "mpr.native";
+  pass.inputs = {"volume"};
+  pass.outputs = {"colour", "depth"};
+  if (context.view.wantValues) pass.outputs.push_back("values");
+  pass.predicted_ms = predicted_ms(**params, context);
+  pass.predictedError = predictedError(**params, context);
+  pass.params = *params;
+  return std::vector<Pass>{std::move(pass)};
+}
+
+Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
+  const auto* p = dynamic_cast<const SliceParams*>(pass.params.get());
+  if (!p) return makeError(ErrorCode::Internal, "The pass has no slice parameters.", "mpr.native");
+  fitImages(images, p->view);
+  Result<void> drawn = native::drawSlice(jobOf(*p), images, stop);
+  if (drawn) ++images.counters.passes;
+  return drawn;
+}
+
+}  // namespace
+
+Technique nativeSliceTechnique() {
+  Technique t;
+  t.name = "mpr.native";
+  t.kinds = {"slice"};
+  t.engine = Engine::Native;
+  t.passesFor = passesFor;
+  t.execute = execute;
+  return t;
+}
+
+}  // namespace vernier::mpr
