@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "vernier/native/Slice.h"
+
+#include <thread>
+
+#include "SliceCases.h"
+#include "vernier/base/Threads.h"
+
+namespace vernier::test {
+namespace {
+
+template <class T>
+struct Values {
+  static constexpr double low = std::is_signed_v<T> ? -3000 : 0, high = 4000;
+};
+template <>
+struct Values<std::uint8_t> {
+  static constexpr double low = 0, high = 255.99;
+};
+template <>
+struct Values<std::int8_t> {
+  static constexpr double low = -128, high = 127.99;
+};
+template <>
+struct Values<std::uint16_t> {
+  static constexpr double low = 0, high = 65535.99;
+};
+template <>
+struct Values<std::uint32_t> {
+  static constexpr double low = 0, high = 4294967295.0;
+};
+
+template <class T>
+std::shared_ptr<const Volume> randomVolume(const GridGeometry& grid, std::uint64_t seed) {
+  VolumeInfo info;
+  info.grid = grid;
+  info.rescale = {{0.75, -1024.5}};
+  const auto n = static_cast<std::size_t>(grid.columns * grid.rows * grid.slices);
+  return volumeOf<T>(info, randomValues<T>(n, seed, Values<T>::low, Values<T>::high));
+}
+
+std::vector<NamedGrid> evenGrids() {
+  std::vector<NamedGrid> grids;
+  for (NamedGrid& g : everyGrid())
+    if (g.grid.even()) grids.push_back(g);
+  GridGeometry thick = grids[1].grid;  // oblique
+  thick.patientFromVoxel.linear[2] *= 50 * 0.7 / 2.5;
+  grids.push_back({"1:50", thick});
+  for (int axis = 0; axis < 3; ++axis) {
+    GridGeometry flat = grids[1].grid;
+    (axis == 0 ? flat.columns : axis == 1 ? flat.rows : flat.slices) = 1;
+    grids.push_back({"one along axis " + std::to_string(axis), flat});
+  }
+  return grids;
+}
+
+template <class T>
+class SliceOfType : public testing::Test {};
+using Types = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t,
+                             std::int32_t, float>;
+TYPED_TEST_SUITE(SliceOfType, Types);
+
+TYPED_TEST(SliceOfType, RandomPlanesAreWithinTheBoundOnEveryGrid) {
+  std::uint64_t seed = 0;
+  std::vector<NamedGrid> grids = evenGrids();
+  for (const NamedGrid& g : everyGrid())
+    if (!g.grid.even()) grids.push_back(g);
+  for (const NamedGrid& g : grids) {
+    const auto volume = randomVolume<TypeParam>(g.grid, ++seed);
+    for (const Interpolation i : {Interpolation::Linear, Interpolation::Nearest}) {
+      native::SliceJob job = randomJob(*volume, ++seed, 67, 45);
+      job.interpolation = i;
+      expectWithinBound(job, g.name);
+      job.picture.right = 0.2 * job.picture.right;  // magnified: less than a voxel per pixel
+      job.picture.down = 0.2 * job.picture.down;
+      job.picture.origin =
+          PatientPoint(g.grid.centre().p - 30.0 * job.picture.right.v - 20.0 * job.picture.down.v);
+      expectWithinBound(job, g.name + " magnified");
+    }
+  }
+}
+
+TYPED_TEST(SliceOfType, SlabsAreTheSamplesPutTogether) {
+  std::uint64_t seed = 100;
+  for (const NamedGrid& g : everyGrid()) {
+    const auto volume = randomVolume<TypeParam>(g.grid, ++seed);
+    for (const SlabMode mode : {SlabMode::Max, SlabMode::Min, SlabMode::Mean}) {
+      native::SliceJob job = randomJob(*volume, ++seed, 40, 37);
+      job.slab = {6.0, mode};
+      job.slabSamples = 11;
+      expectWithinBound(job, g.name);
+      job.interpolation = Interpolation::Nearest;
+      expectWithinBound(job, g.name + " nearest");
+    }
+  }
+}
+
+TYPED_TEST(SliceOfType, PaddingIsLeftOutAndItsNeighboursRenormalised) {
+  using T = TypeParam;
+  std::uint64_t seed = 200;
+  for (const NamedGrid& g : everyGrid()) {
+    VolumeInfo info;
+    info.grid = g.grid;
+    info.rescale = {{2, -100}};
+    const auto n = static_cast<std::size_t>(g.grid.columns * g.grid.rows * g.grid.slices);
+    std::vector<T> values = randomValues<T>(n, ++seed, 20, 120);
+    for (std::size_t i = 0; i < n; ++i)
+      if (randomUnit(seed, 1000 + i) < 0.3)
+        values[i] = std::is_floating_point_v<T> && i % 2 ? static_cast<T>(NAN) : static_cast<T>(5 + i % 3);
+    info.noData = NoDataRange{5, 7};
+    const auto volume = volumeOf<T>(info, values);
+    native::SliceJob job = randomJob(*volume, ++seed, 61, 48);
+    expectWithinBound(job, g.name);
+    job.interpolation = Interpolation::Nearest;
+    expectWithinBound(job, g.name + " nearest");
+    job.interpolation = Interpolation::Linear;
+    job.slabSamples = 5;
+    for (const SlabMode mode : {SlabMode::Max, SlabMode::Min, SlabMode::Mean}) {
+      job.slab = {4.0, mode};
+      expectWithinBound(job, g.name + " slab");
+    }
+  }
+}
+
+// C1: a plane through voxel centres shows the stored values bit by bit, in all three directions and both
+// senses.
+TYPED_TEST(SliceOfType, AxisAlignedAtVoxelCentresIsBitEqual) {
+  for (const NamedGrid& g : evenGrids()) {
+    const auto volume = randomVolume<TypeParam>(g.grid, 7);
+    const glm::dmat3& m = g.grid.patientFromVoxel.linear;
+    const glm::ivec3 n(g.grid.columns, g.grid.rows, g.grid.slices);
+    for (int axis = 0; axis < 3; ++axis) {
+      const int a = (axis + 1) % 3, b = (axis + 2) % 3;
+      for (int slice = 0; slice < n[axis]; ++slice) {
+        native::SliceJob job;
+        job.volume = volume.get();
+        job.width_px = n[a];
+        job.height_px = n[b];
+        job.picture.right = PatientVec(m[a]);
+        job.picture.down = PatientVec(-m[b]);
+        glm::dvec3 corner(0);
+        corner[axis] = slice;
+        corner[a] = -0.5;
+        corner[b] = n[b] - 0.5;
+        job.picture.origin = g.grid.patientFromVoxel * Point<VoxelFrame>(corner);
+        job.window = {0, 100, VoiFunction::LinearExact, ""};
+        Images images = imagesFor(job);
+        ASSERT_TRUE(native::drawSlice(job, images).ok());
+        for (int y = 0; y < n[b]; ++y)
+          for (int x = 0; x < n[a]; ++x) {
+            glm::ivec3 voxel;
+            voxel[axis] = slice, voxel[a] = x, voxel[b] = n[b] - 1 - y;
+            ASSERT_EQ(images.values[static_cast<std::size_t>(y * n[a] + x)],
+                      static_cast<float>(volume->modality(voxel.x, voxel.y, voxel.z)))
+                << g.name << " axis " << axis << " slice " << slice << " pixel " << x << "," << y;
+          }
+      }
+    }
+  }
+}
+
+native::SliceJob axialJob(const Volume& volume, double z_vox) {
+  const GridGeometry& g = volume.grid();
+  native::SliceJob job;
+  job.volume = &volume;
+  job.width_px = static_cast<int>(g.columns);
+  job.height_px = static_cast<int>(g.rows);
+  job.picture.right = PatientVec(g.patientFromVoxel.linear[0]);
+  job.picture.down = PatientVec(g.patientFromVoxel.linear[1]);
+  job.picture.origin = g.patientFromVoxel * VoxelPoint(-0.5, -0.5, z_vox);
+  job.window = {500, 1000, VoiFunction::Linear, ""};
+  job.background = {0.25, 0.5, 0.75};
+  return job;
+}
+
+// C3: a plane on the outermost half voxel, moved by rounding, is still in; half a voxel further it is not.
+TEST(Slice, PlaneOnAFaceIsInWhateverItsRounding) {
+  const auto volume = randomVolume<std::int16_t>(unitGrid(20, 9, 5), 3);
+  for (const double face : {-0.5, 0.0, 4.0, 4.5}) {
+    for (const double rounding : {-7e-15, 0.0, 7e-15}) {
+      native::SliceJob job = axialJob(*volume, face + rounding);
+      Images images = imagesFor(job);
+      ASSERT_TRUE(native::drawSlice(job, images).ok());
+      const std::int64_t slice = face < 1 ? 0 : 4;
+      for (int n = 0; n < 180; ++n)
+        ASSERT_EQ(images.values[static_cast<std::size_t>(n)],
+                  static_cast<float>(volume->modality(n % 20, n / 20, slice)));
+    }
+  }
+  for (const double outside : {-0.501, 4.501, -1e9, 1e9}) {
+    native::SliceJob job = axialJob(*volume, outside);
+    Images images = imagesFor(job);
+    ASSERT_TRUE(native::drawSlice(job, images).ok());
+    for (std::size_t n = 0; n < 180; ++n) {
+      ASSERT_TRUE(std::isnan(images.values[n]));
+      ASSERT_EQ(images.depth[n], kNothing_mm);
+      ASSERT_EQ(images.colour[4 * n], 0.25f);
+      ASSERT_EQ(images.colour[4 * n + 1], 0.5f);
+      ASSERT_EQ(images.colour[4 * n + 2], 0.75f);
+      ASSERT_EQ(images.colour[4 * n + 3], 1.0f);
+    }
+    EXPECT_EQ(images.counters.samples, 0u);
+  }
+}
+
+TEST(Slice, WindowsAreThoseOfTheStandard) {
+  const auto volume = randomVolume<std::int16_t>(everyGrid()[1].grid, 3);
+  const std::vector<VoiWindow> windows = {
+      {-500, 3000, VoiFunction::Linear, ""},     {-500, 10, VoiFunction::Linear, ""},
+      {-500, 1, VoiFunction::Linear, ""},        {0, 10, VoiFunction::LinearExact, ""},
+      {-500, 0.5, VoiFunction::LinearExact, ""}, {200, 900, VoiFunction::Sigmoid, ""}};
+  for (const VoiWindow& window : windows) {
+    for (const bool invert : {false, true}) {
+      native::SliceJob job = randomJob(*volume, 11, 90, 70);
+      job.window = window;
+      job.invert = invert;
+      Images images = imagesFor(job);
+      ASSERT_TRUE(native::drawSlice(job, images).ok());
+      for (int n = 0; n < 90 * 70; ++n) {
+        const std::size_t i = static_cast<std::size_t>(n);
+        std::uint64_t samples = 0;
+        const double truth = pixelTruth(job, n % 90, n / 90, samples).value;
+        if (std::isnan(truth)) continue;
+        const double grey = invert ? 1 - applyVoi(window, truth) : applyVoi(window, truth);
+        // 1e-4 of the window where it is at least 10 units wide; below that the values' own rounding counts.
+        const double slack = window.width >= 10 ? 1e-4 : 1e-3 / window.width;
+        const bool step = window.width == 1 && std::abs(truth - (window.center - 0.5)) < 1e-2;
+        if (!step) {
+          ASSERT_NEAR(images.colour[4 * i], grey, slack) << window.width << " pixel " << n;
+        }
+        ASSERT_EQ(images.colour[4 * i], images.colour[4 * i + 1]);
+        ASSERT_EQ(images.colour[4 * i], images.colour[4 * i + 2]);
+        ASSERT_EQ(images.colour[4 * i + 3], 1.0f);
+      }
+    }
+  }
+}
+
+TEST(Slice, EverySlopeOfItsOwnSlice) {
+  VolumeInfo info;
+  info.grid = everyGrid()[1].grid;
+  info.rescale.clear();
+  for (int k = 0; k < 9; ++k) info.rescale.push_back({1.0 + 0.25 * k, -10.0 * k});
+  const auto volume = volumeOf<std::int16_t>(info, randomValues<std::int16_t>(7 * 6 * 9, 4, -1000, 1000));
+  expectWithinBound(randomJob(*volume, 12, 80, 60), "per-slice rescale");
+}
+
+TEST(Slice, SameBitsForOneTwoAndThreeThreads) {
+  const auto volume = randomVolume<std::int16_t>(everyGrid()[2].grid, 5);
+  for (const int slabSamples : {1, 7}) {
+    native::SliceJob job = randomJob(*volume, 13, 301, 203);
+    job.slab.mode = SlabMode::Mean;
+    job.slab.thickness_mm = slabSamples > 1 ? 5 : 0;
+    job.slabSamples = slabSamples;
+    std::vector<Images> results;
+    for (const int n : {1, 2, 3}) {
+      setThreads(n);
+      results.push_back(imagesFor(job));
+      ASSERT_TRUE(native::drawSlice(job, results.back()).ok());
+    }
+    setThreads(0);
+    for (std::size_t r = 1; r < results.size(); ++r) {
+      EXPECT_EQ(
+          0, std::memcmp(results[0].colour.data(), results[r].colour.data(), 4 * results[0].colour.size()));
+      EXPECT_EQ(
+          0, std::memcmp(results[0].values.data(), results[r].values.data(), 4 * results[0].values.size()));
+      EXPECT_EQ(results[0].counters.samples, results[r].counters.samples);
+    }
+  }
+}
+
+TEST(Slice, StopsWhenAsked) {
+  const auto volume = randomVolume<std::int16_t>(unitGrid(64, 64, 64), 6);
+  native::SliceJob job = randomJob(*volume, 14, 512, 512);
+  std::stop_source before;
+  before.request_stop();
+  Images images = imagesFor(job);
+  const Result<void> r = native::drawSlice(job, images, before.get_token());
+  ASSERT_FALSE(r.ok());
+  EXPECT_EQ(r.error().code, ErrorCode::Cancelled);
+  EXPECT_EQ(images.counters.samples, 0u);
+
+  // Asked for while it draws: it must not draw to the end. All samples would be 512 * 512 * 100000 of
+  // depth 64.
+  job.slab = {1000.0, SlabMode::Max};
+  job.slabSamples = 100000;
+  std::stop_source during;
+  std::jthread asker([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    during.request_stop();
+  });
+  const Result<void> stopped = native::drawSlice(job, images, during.get_token());
+  ASSERT_FALSE(stopped.ok());
+  EXPECT_EQ(stopped.error().code, ErrorCode::Cancelled);
+  EXPECT_LT(images.counters.samples, 400'000'000u);
+}
+
+TEST(Slice, WrongImageSizeIsRefused) {
+  const auto volume = randomVolume<std::int16_t>(unitGrid(4, 4, 4), 6);
+  const native::SliceJob job = randomJob(*volume, 14, 32, 32);
+  Images images;
+  images.allocate(32, 31, false);
+  const Result<void> r = native::drawSlice(job, images);
+  ASSERT_FALSE(r.ok());
+  EXPECT_EQ(r.error().code, ErrorCode::Internal);
+}
+
+}  // namespace
+}  // namespace vernier::test
