@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pixels of slices and stacks: open, walk to the pixel data, read it into its place. One reader per thread
+// keeps its buffers and the index of the object that it read last, so that a stack of n files costs n opens
+// and no allocation.
+#include <algorithm>
+#include <mutex>
+#include <optional>
+
+#include "decode/FrameDecode.h"
+#include "decode/Samples.h"
+#include "vernier/base/Guarded.h"
+#include "vernier/base/Threads.h"
+#include "vernier/study/Load.h"
+
+namespace vernier {
+namespace {
+
+class SliceReader {
+ public:
+  explicit SliceReader(const StudySet& set) : set_(set) {}
+
+  // One frame in its own container, or in `container`.
+  Result<void> read(SliceRef ref, std::optional<SampleType> container, std::span<std::byte> out) {
+    Result<void> r = guarded("decodeSlice", [&] { return readAny(ref, container, out); });
+    if (r) return r;
+    return refuse(ref, r.error(), out);
+  }
+
+  Result<void> refuseShape(SliceRef ref, std::span<std::byte> out) {
+    return refuse(ref,
+                  makeError(ErrorCode::CodecMismatch,
+                            "The slice has other rows, columns or samples than its stack; show it on its own."),
+                  out);
+  }
+
+ private:
+  Error refuse(SliceRef ref, Error e, std::span<std::byte> out) {
+    std::ranges::fill(out, std::byte{0});
+    if (e.where.empty() && ref.instance < set_.instances.size())
+      e.where = nameOf(set_.instances[ref.instance]);
+    return e;
+  }
+
+  std::string nameOf(const Instance& i) const {
+    return i.file < set_.files.size() ? set_.files[i.file].shown : std::string();
+  }
+
+  Result<void> readAny(SliceRef ref, std::optional<SampleType> container, std::span<std::byte> out) {
+    if (ref.instance >= set_.instances.size())
+      return makeError(ErrorCode::Internal, "The slice names an object that is not in the study.");
+    const Instance& instance = set_.instances[ref.instance];
+    if (instance.pixelError) return *instance.pixelError;
+    if (!instance.isImage) return makeError(ErrorCode::PixelDataMissing, "The object is not an image.");
+    const FrameSpec& spec = instance.pixels;
+    const auto bytes = spec.frameBytes();
+    if (!bytes) return bytes.error();
+    if (ref.frame >= spec.framesDeclared)
+      return makeError(ErrorCode::PixelDataMissing,
+                       "The object has only " + std::to_string(spec.framesDeclared) + " frame(s); frame " +
+                           std::to_string(ref.frame + 1) + " was asked for.");
+    if (auto r = openInstance(ref.instance); !r) return r;
+    const bool same = !container || *container == spec.sample;
+    const std::uint64_t wanted = same ? *bytes : *bytes / bytesOf(spec.sample) * bytesOf(*container);
+    if (out.size() != wanted)
+      return makeError(ErrorCode::Internal, "decodeSlice() was given a buffer of the wrong size.",
+                       "decodeSlice");
+    if (same) return study::decodeFrame(*source_, index_, spec, ref.frame, out, scratch_);
+    samples_.resize(*bytes);
+    if (auto r = study::decodeFrame(*source_, index_, spec, ref.frame, samples_, scratch_); !r) return r;
+    return study::convertSamples(spec.sample, samples_, *container, out);
+  }
+
+  Result<void> openInstance(std::size_t number) {
+    if (opened_ == number) return {};
+    opened_.reset();
+    const Instance& instance = set_.instances[number];
+    if (instance.file >= set_.files.size())
+      return makeError(ErrorCode::Internal, "The object names a file that is not in the study.");
+    if (auto r = study::checkSpec(instance.pixels); !r) return r;
+    const FileRecord& record = set_.files[instance.file];
+    if (auto r = file_.open(record.path, record.shown); !r) return r;
+    source_ = &file_;
+    auto dataSet = study::dataSetOffset(file_);
+    if (!dataSet) return dataSet.error();
+    if (syntaxKind(instance.pixels.transferSyntaxUid) == SyntaxKind::Deflated) {
+      if (auto r = inflate(*dataSet); !r) return r;
+      dataSet = std::uint64_t{0};
+    }
+    auto index = study::indexPixels(*source_, *dataSet, instance.pixels);
+    if (!index) return index.error();
+    index_ = std::move(*index);
+    opened_ = number;
+    return {};
+  }
+
+  Result<void> inflate(std::uint64_t dataSet) {
+    std::vector<std::byte> deflated(file_.size() - dataSet);
+    if (!file_.read(dataSet, deflated))
+      return makeError(ErrorCode::FileDamaged, "The file cannot be read to its end.");
+    auto plain = study::inflateAll(deflated);
+    if (!plain) return plain.error();
+    inflated_ = std::move(*plain);
+    memory_.emplace(inflated_);
+    source_ = &*memory_;
+    return {};
+  }
+
+  const StudySet& set_;
+  std::optional<std::size_t> opened_;  // instance whose index is held
+  study::FileSource file_;
+  std::vector<std::byte> inflated_;
+  std::optional<study::SpanSource> memory_;
+  study::Source* source_ = nullptr;
+  study::PixelIndex index_;
+  study::Scratch scratch_;
+  std::vector<std::byte> samples_;
+};
+
+bool sameShape(const FrameSpec& a, const FrameSpec& b) {
+  return a.rows == b.rows && a.columns == b.columns && a.samplesPerPixel == b.samplesPerPixel;
+}
+
+// What the threads of one decodeStack() share.
+struct StackWork {
+  std::mutex mutex;
+  std::uint64_t done = 0;
+  std::vector<SliceFailure> failed;
+};
+
+// The first usable slice rules: the others must have its rows, columns and samples.
+Result<FrameSpec> shapeOf(const StudySet& set, const Stack& stack, SampleType sample) {
+  for (const SliceRef& ref : stack.slices)
+    if (ref.instance >= set.instances.size())
+      return makeError(ErrorCode::Internal, "The stack names an object that is not in the study.", "decodeStack");
+  for (const SliceRef& ref : stack.slices) {
+    if (set.instances[ref.instance].pixelError) continue;
+    FrameSpec spec = set.instances[ref.instance].pixels;
+    spec.sample = sample;
+    const auto bytes = spec.frameBytes();
+    if (bytes && *bytes > 0) return spec;
+  }
+  return makeError(ErrorCode::PixelDescriptionInvalid,
+                   "No slice of the stack has a usable description of its pixels.");
+}
+
+}  // namespace
+
+Result<void> decodeSlice(const StudySet& set, SliceRef ref, std::span<std::byte> out) {
+  return guarded("decodeSlice", [&] { return SliceReader(set).read(ref, std::nullopt, out); });
+}
+
+Result<void> decodeStack(const StudySet& set, const Stack& stack, SampleType sample, std::span<std::byte> out,
+                         std::vector<SliceFailure>& failed, const ProgressFn& progress,
+                         std::stop_token stop) {
+  failed.clear();
+  const std::size_t n = stack.slices.size();
+  if (n == 0) return makeError(ErrorCode::NothingToLoad, "The stack has no slice.");
+  const auto shape = shapeOf(set, stack, sample);
+  if (!shape) return shape.error();
+  const auto sliceBytes = shape->frameBytes();
+  if (!sliceBytes) return sliceBytes.error();
+  if (out.size() / n != *sliceBytes || out.size() % n != 0)
+    return makeError(ErrorCode::Internal, "decodeStack() was given a buffer of the wrong size.",
+                     "decodeStack");
+
+  StackWork work;
+  // Runs of slices, so that buffers and the index of a multi-frame object are used again; short enough to
+  // balance.
+  const std::size_t grain = std::clamp<std::size_t>(n / (static_cast<std::size_t>(threads()) * 8), 1, 32);
+  parallelFor(n, grain, [&](std::size_t begin, std::size_t end) {
+    SliceReader reader(set);
+    for (std::size_t s = begin; s < end && !stop.stop_requested(); ++s) {
+      const std::span<std::byte> to = out.subspan(s * *sliceBytes, *sliceBytes);
+      const FrameSpec& spec = set.instances[stack.slices[s].instance].pixels;
+      const bool fits = sameShape(spec, *shape) || set.instances[stack.slices[s].instance].pixelError;
+      Result<void> r =
+          fits ? reader.read(stack.slices[s], sample, to) : reader.refuseShape(stack.slices[s], to);
+      const std::scoped_lock lock(work.mutex);
+      if (!r) work.failed.push_back({s, r.error()});
+      ++work.done;
+      if (progress) progress("decode", work.done, n);
+    }
+  });
+  if (stop.stop_requested() && work.done < n)
+    return makeError(ErrorCode::Cancelled, "Loading was cancelled.");
+  std::ranges::sort(work.failed, {}, &SliceFailure::slice);
+  failed = std::move(work.failed);
+  if (failed.size() == n) return failed.front().error;
+  return {};
+}
+
+}  // namespace vernier
