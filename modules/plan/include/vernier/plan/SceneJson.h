@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Scene as JSON. Keys are written in a fixed order and numbers shortest-round-trip, so writing is canonical:
-// parse(write(s)) == s bit for bit. Unknown keys inside a known layer, wrong types, NaN and a newer schema
-// are refused with the JSON path ("/layers/0/plane/normal") in Error::where.
+// Scene as JSON (every key: docs/scene.md). Keys are written in a fixed order and numbers
+// shortest-round-trip, so writing is canonical: parse(write(s)) == s bit for bit for every scene whose
+// numbers are finite and whose text is UTF-8 (a number that is not finite is written as null, which
+// parseScene refuses with its path).
+//
+// SceneInvalid, with the JSON path ("/layers/0/plane/normal") in Error::where: bad syntax, NaN or numbers
+// beyond double, unknown or repeated keys inside what this build knows, missing keys, wrong types, values out
+// of their range, a newer schema, nesting deeper than 32, text longer than 16 MiB, or more than 256 layers. A
+// layer of an unknown kind is kept token by token as a CustomLayer and written back unchanged. Pure
+// functions, safe on any thread.
 #pragma once
 #include <string>
 #include <string_view>
@@ -9,6 +16,16 @@
 #include "vernier/plan/Scene.h"
 
 namespace vernier {
+
+inline constexpr std::size_t kMaxSceneBytes = 16u << 20;
+inline constexpr int kMaxSceneDepth = 32;
+inline constexpr std::size_t kMaxSceneLayers = 256;
+
 VERNIER_API std::string writeScene(const Scene&);
 VERNIER_API Result<Scene> parseScene(std::string_view json);
+
+// A layer object of a plugin's own kind, checked and brought into canonical text (no space outside strings).
+// SceneInvalid when it is no object with a `kind` that is a name, or of a kind that this build knows itself.
+VERNIER_API Result<CustomLayer> customLayer(std::string_view json);
+
 }  // namespace vernier

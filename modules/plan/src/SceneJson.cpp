@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "vernier/plan/SceneJson.h"
+
+#include <cmath>
+#include <limits>
+
+#include "JsonText.h"
+#include "Numbers.h"
+#include "SceneReader.h"
+#include "vernier/base/Guarded.h"
+
+namespace vernier {
+namespace {
+
+// --- writing: by hand, since the order of keys and the shape of numbers are ours to keep.
+
+template <class... Parts>
+std::string cat(const Parts&... parts) {
+  std::string out;
+  ((out += parts), ...);
+  return out;
+}
+
+std::string number(double x) {
+  if (!std::isfinite(x)) return "null";
+  if (x == 0 && std::signbit(x)) return "-0.0";  // "-0" would come back as the integer 0
+  return shortest(x);
+}
+std::string text(const std::string& s) {
+  return nlohmann::json(s).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+const char* flag(bool b) { return b ? "true" : "false"; }
+std::string vec(glm::dvec3 v) { return cat("[", number(v.x), ", ", number(v.y), ", ", number(v.z), "]"); }
+
+std::string write(const VoiWindow& w) {
+  return cat("{\"center\": ", number(w.center), ", \"width\": ", number(w.width), ", \"function\": \"",
+             nameOf(w.function), "\", \"explanation\": ", text(w.explanation), "}");
+}
+std::string write(const Camera& c) {
+  return cat("{\"azimuth_deg\": ", number(c.azimuth_deg), ", \"elevation_deg\": ", number(c.elevation_deg),
+             ", \"roll_deg\": ", number(c.roll_deg), ", \"projection\": \"", nameOf(c.projection),
+             "\", \"fov_deg\": ", number(c.fov_deg), ", \"zoom\": ", number(c.zoom),
+             c.height_mm ? cat(", \"height_mm\": ", number(*c.height_mm)) : "", ", \"pan_mm\": [",
+             number(c.pan_mm.x), ", ", number(c.pan_mm.y), "]}");
+}
+std::string write(const ImageLayer& l) {
+  return cat("{\"kind\": \"image\", \"source\": ", text(l.source), ", \"index\": ", std::to_string(l.index),
+             l.window ? cat(", \"window\": ", write(*l.window)) : "",
+             l.voiLut ? cat(", \"voi_lut\": ", std::to_string(*l.voiLut)) : "", ", \"interpolation\": \"",
+             nameOf(l.interpolation), "\", \"invert\": ", flag(l.invert),
+             ", \"flip_horizontal\": ", flag(l.flipHorizontal), ", \"flip_vertical\": ", flag(l.flipVertical),
+             "}");
+}
+std::string write(const SliceLayer& l) {
+  return cat("{\"kind\": \"slice\", \"source\": ", text(l.source),
+             ", \"plane\": {\"point\": ", vec(l.plane.point.p), ", \"normal\": ", vec(l.plane.normal.v),
+             ", \"up\": ", vec(l.plane.up.v), "}, \"slab\": {\"thickness_mm\": ", number(l.slab.thickness_mm),
+             ", \"mode\": \"", nameOf(l.slab.mode), "\"}, \"interpolation\": \"", nameOf(l.interpolation),
+             "\"", l.window ? cat(", \"window\": ", write(*l.window)) : "", ", \"invert\": ", flag(l.invert),
+             "}");
+}
+std::string write(const CustomLayer& l) { return l.json; }
+
+Error sceneError(const JsonFault& fault) {
+  return makeError(ErrorCode::SceneInvalid, fault.sentence, fault.path);
+}
+
+// Runs a parser and turns what it throws into an Error.
+template <class T, class Fn>
+Result<T> parsed(Fn&& fn) {
+  try {
+    return fn();
+  } catch (const JsonFault& fault) {
+    return sceneError(fault);
+  } catch (const std::exception&) {
+    return errorFromCurrentException("scene");
+  }
+}
+
+CustomLayer readCustom(const nlohmann::json& value, const std::string& path, std::string canonical) {
+  const ObjectReader layer(value, path);
+  CustomLayer l;
+  l.kind = kindAt(value, path);
+  l.version = 1;
+  if (value.contains("version"))
+    l.version = static_cast<int>(layer.integer("version", 1, std::numeric_limits<int>::max()));
+  l.json = std::move(canonical);
+  return l;
+}
+
+}  // namespace
+
+std::string writeScene(const Scene& scene) {
+  std::string layers;
+  for (const Layer& layer : scene.layers)
+    layers +=
+        cat(layers.empty() ? "\n    " : ",\n    ", std::visit([](const auto& l) { return write(l); }, layer));
+  return cat("{\n  \"schema\": ", std::to_string(kSceneSchema), ",\n  \"camera\": ", write(scene.camera),
+             ",\n  \"background\": ", vec({scene.background.r, scene.background.g, scene.background.b}),
+             ",\n  \"layers\": [", layers, scene.layers.empty() ? "]\n}\n" : "\n  ]\n}\n");
+}
+
+Result<Scene> parseScene(std::string_view json) {
+  if (json.starts_with("\xEF\xBB\xBF")) json.remove_prefix(3);  // a byte order mark is no part of the text
+  return parsed<Scene>([&] {
+    const nlohmann::json document = parseJson(json);
+    const ObjectReader top(document, "");
+    checkSchema(top);
+    Scene scene;
+    if (top.has("camera")) scene.camera = readCamera(top.child("camera"), "/camera");
+    if (top.has("background")) scene.background = readRgb(top, "background");
+    const nlohmann::json& layers = top.array("layers");
+    top.refuseOthers();
+    if (layers.size() > kMaxSceneLayers)
+      throw JsonFault{"The scene has " + std::to_string(layers.size()) + " layers, at most " +
+                          std::to_string(kMaxSceneLayers) + " are read.",
+                      "/layers"};
+    const std::vector<std::string> texts = elementTexts(json, "layers");
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      const std::string path = pointerTo("/layers", i);
+      const std::string kind = kindAt(layers[i], path);
+      if (kind == "image")
+        scene.layers.emplace_back(readImage(layers[i], path));
+      else if (kind == "slice")
+        scene.layers.emplace_back(readSlice(layers[i], path));
+      else
+        scene.layers.emplace_back(readCustom(layers[i], path, texts.at(i)));
+    }
+    return Result<Scene>(std::move(scene));
+  });
+}
+
+Result<CustomLayer> customLayer(std::string_view json) {
+  return parsed<CustomLayer>([&] {
+    const nlohmann::json value = parseJson(json);
+    const std::string kind = kindAt(value, "");
+    if (kind == "image" || kind == "slice")
+      throw JsonFault{"The kind '" + kind + "' is known and cannot be a custom layer.", "/kind"};
+    return Result<CustomLayer>(readCustom(value, "", withoutSpace(json)));
+  });
+}
+
+}  // namespace vernier

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Reads the known parts of a scene from parsed JSON; throws JsonFault with the path of what is wrong.
+#pragma once
+#include <array>
+#include <set>
+#include <string>
+
+#include "JsonText.h"
+#include "vernier/plan/Scene.h"
+
+namespace vernier {
+
+// Reads keys of one object and remembers which, so that others can be refused.
+class ObjectReader {
+ public:
+  ObjectReader(const nlohmann::json& object, std::string path);
+
+  bool has(const std::string& key) const { return object_.contains(key); }
+  const nlohmann::json& child(const std::string& key) const;  // required
+  const nlohmann::json& array(const std::string& key) const;
+  double number(const std::string& key) const;
+  std::int64_t integer(const std::string& key, std::int64_t least, std::int64_t most) const;
+  bool flag(const std::string& key) const;
+  std::string text(const std::string& key) const;
+  template <std::size_t N>
+  std::array<double, N> numbers(const std::string& key) const {
+    std::array<double, N> out{};
+    readNumbers(key, out.data(), N);
+    return out;
+  }
+  std::string pathOf(const std::string& key) const { return pointerTo(path_, key); }
+  void refuseOthers() const;  // call last
+
+ private:
+  void readNumbers(const std::string& key, double* out, std::size_t n) const;
+  const nlohmann::json& object_;
+  std::string path_;
+  mutable std::set<std::string> read_;
+};
+
+std::string kindAt(const nlohmann::json& layer, const std::string& path);
+void checkSchema(const ObjectReader& top);
+Camera readCamera(const nlohmann::json&, const std::string& path);
+Rgb readRgb(const ObjectReader&, const std::string& key);
+ImageLayer readImage(const nlohmann::json&, const std::string& path);
+SliceLayer readSlice(const nlohmann::json&, const std::string& path);
+
+const char* nameOf(VoiFunction);
+const char* nameOf(Interpolation);
+const char* nameOf(SlabMode);
+const char* nameOf(Projection);
+
+}  // namespace vernier

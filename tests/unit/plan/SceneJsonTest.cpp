@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "vernier/plan/SceneJson.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <clocale>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "vernier/base/Random.h"
+
+namespace vernier {
+namespace {
+
+using ::testing::HasSubstr;
+
+// "/where" of the error, or "ok".
+std::string whereOf(const std::string& json) {
+  const auto scene = parseScene(json);
+  if (scene) return "ok";
+  EXPECT_EQ(scene.error().code, ErrorCode::SceneInvalid) << scene.error().text();
+  EXPECT_FALSE(scene.error().sentence.empty());
+  return scene.error().where;
+}
+std::string withLayer(const std::string& layer) { return R"({"schema": 1, "layers": [)" + layer + "]}"; }
+std::string withCamera(const std::string& camera) {
+  return R"({"schema": 1, "camera": )" + camera + R"(, "layers": []})";
+}
+const std::string kPlane = R"("plane": {"point": [1, 2, 3], "normal": [0, 0, -1], "up": [0, -1, 0]})";
+
+// Any finite double, from its bits: denormals, huge, tiny, -0.
+double anyDouble(std::uint64_t& counter) {
+  for (;;) {
+    const double x = std::bit_cast<double>(randomBits(7, counter++));
+    if (std::isfinite(x)) return x;
+  }
+}
+double positive(std::uint64_t& c) {
+  return std::abs(anyDouble(c)) + std::numeric_limits<double>::denorm_min();
+}
+
+Scene randomScene(std::uint64_t& c) {
+  const auto bit = [&] { return (randomBits(9, c++) & 1) != 0; };
+  const auto window = [&]() -> std::optional<VoiWindow> {
+    if (bit()) return std::nullopt;
+    const VoiFunction f[] = {VoiFunction::Linear, VoiFunction::LinearExact, VoiFunction::Sigmoid};
+    return VoiWindow{anyDouble(c), positive(c), f[randomBits(9, c++) % 3],
+                     bit() ? "" : "Knochen \"\\\n\x01 \xC3\xA4/~"};
+  };
+  const auto vec = [&] { return glm::dvec3(anyDouble(c), anyDouble(c), anyDouble(c)); };
+  Scene s;
+  s.camera = {anyDouble(c),
+              anyDouble(c),
+              anyDouble(c),
+              bit() ? Projection::Perspective : Projection::Orthographic,
+              1 + 178 * randomUnit(9, c++),
+              positive(c),
+              std::nullopt,
+              {anyDouble(c), anyDouble(c)}};
+  if (bit()) s.camera.height_mm = positive(c);
+  s.background = {randomUnit(9, c++), randomUnit(9, c++), randomUnit(9, c++)};
+  ImageLayer image;
+  image.source = "1.2.840\t\xE6\x97\xA5";
+  image.index = static_cast<std::int64_t>(randomBits(9, c++) >> 1);
+  image.window = window();
+  if (bit()) image.voiLut = 3;
+  image.interpolation = bit() ? Interpolation::Nearest : Interpolation::Linear;
+  image.invert = bit(), image.flipHorizontal = bit(), image.flipVertical = bit();
+  SliceLayer slice;
+  slice.source = "b";
+  slice.plane = {PatientPoint(vec()), PatientVec(vec()), PatientVec(vec())};
+  slice.slab = {positive(c), bit() ? SlabMode::Mean : SlabMode::Min};
+  slice.window = window();
+  slice.invert = bit();
+  s.layers = {image, slice, *customLayer(R"({"kind": "shells", "version": 2, "levels": [0.10, 1e5, -0]})"),
+              slice};
+  return s;
+}
+
+bool sameBits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+TEST(SceneJson, ParseOfWriteIsTheSameBitForBit) {
+  std::uint64_t c = 0;
+  for (int n = 0; n < 200; ++n) {
+    const Scene scene = randomScene(c);
+    const std::string text = writeScene(scene);
+    const auto back = parseScene(text);
+    ASSERT_TRUE(back.ok()) << back.error().text() << "\n" << text;
+    ASSERT_EQ(*back, scene) << text;
+    ASSERT_EQ(writeScene(*back), text);
+    const glm::dvec3 a = std::get<SliceLayer>(scene.layers[1]).plane.normal.v;
+    const glm::dvec3 b = std::get<SliceLayer>(back->layers[1]).plane.normal.v;
+    for (int k = 0; k < 3; ++k) ASSERT_TRUE(sameBits(a[k], b[k])) << a[k];
+  }
+}
+
+TEST(SceneJson, MinusZeroAndExtremesSurvive) {
+  const double odd[] = {-0.0,
+                        0.1,
+                        5e-324,
+                        std::numeric_limits<double>::max(),
+                        1e22,
+                        123456789012345678.0,
+                        -1e21,
+                        1e15,
+                        9007199254740993.0};
+  for (double x : odd) {
+    Scene s;
+    s.camera.azimuth_deg = x;
+    const auto back = parseScene(writeScene(s));
+    ASSERT_TRUE(back.ok());
+    EXPECT_TRUE(sameBits(back->camera.azimuth_deg, x)) << writeScene(s);
+  }
+}
+
+TEST(SceneJson, SmallestSceneHasDefaults) {
+  const auto s = parseScene(withLayer(R"({"kind": "image", "source": "a"})"));
+  ASSERT_TRUE(s.ok()) << s.error().text();
+  Scene expected;
+  ImageLayer layer;
+  layer.source = "a";
+  expected.layers.emplace_back(layer);
+  EXPECT_EQ(*s, expected);
+}
+
+TEST(SceneJson, UnknownAndRepeatedKeysAreRefusedWithTheirPath) {
+  EXPECT_EQ(whereOf(R"({"schema": 1, "layers": [], "extra": 1})"), "/extra");
+  EXPECT_EQ(whereOf(withCamera(R"({"zoon": 2})")), "/camera/zoon");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "image", "source": "a", "a/b~c": 1})")), "/layers/0/a~1b~0c");
+  EXPECT_EQ(
+      whereOf(withLayer(
+          R"({"kind": "slice", "source": "a", "plane": {"point": [1,2,3], "normal": [0,0,1], "up": [0,1,0], "x": 0}})")),
+      "/layers/0/plane/x");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "slice", "source": "a", )" + kPlane +
+                              R"(, "slab": {"thickness_mm": 1, "n": 2}})")),
+            "/layers/0/slab/n");
+  EXPECT_EQ(
+      whereOf(withLayer(R"({"kind": "image", "source": "a", "window": {"center": 1, "width": 2, "w": 3}})")),
+      "/layers/0/window/w");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "image", "source": "a", "source": "b"})")), "/layers/0/source");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "x", "deep": [0, {"k": 1, "k": 1}]})")), "/layers/0/deep/1/k");
+}
+
+TEST(SceneJson, WrongTypesAndValuesAreRefusedWithTheirPath) {
+  EXPECT_EQ(whereOf("[]"), "");
+  EXPECT_EQ(whereOf("7"), "");
+  EXPECT_EQ(whereOf(R"({"layers": []})"), "");
+  EXPECT_EQ(whereOf(R"({"schema": 1})"), "");
+  EXPECT_EQ(whereOf(R"({"schema": 1, "layers": {}})"), "/layers");
+  EXPECT_EQ(whereOf(R"({"schema": 1, "background": [0, 0, 1.5], "layers": []})"), "/background/2");
+  EXPECT_EQ(whereOf(withCamera("[]")), "/camera");
+  EXPECT_EQ(whereOf(withCamera(R"({"zoom": "2"})")), "/camera/zoom");
+  EXPECT_EQ(whereOf(withCamera(R"({"zoom": null})")), "/camera/zoom");
+  EXPECT_EQ(whereOf(withCamera(R"({"zoom": 0})")), "/camera/zoom");
+  EXPECT_EQ(whereOf(withCamera(R"({"height_mm": -1})")), "/camera/height_mm");
+  EXPECT_EQ(whereOf(withCamera(R"({"fov_deg": 180})")), "/camera/fov_deg");
+  EXPECT_EQ(whereOf(withCamera(R"({"pan_mm": [1]})")), "/camera/pan_mm");
+  EXPECT_EQ(whereOf(withCamera(R"({"pan_mm": [1, "x"]})")), "/camera/pan_mm/1");
+  EXPECT_EQ(whereOf(withCamera(R"({"projection": "fisheye"})")), "/camera/projection");
+  EXPECT_EQ(whereOf(withLayer("3")), "/layers/0");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": 3})")), "/layers/0/kind");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": ""})")), "/layers/0/kind");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "image"})")), "/layers/0");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "image", "source": "a", "index": -1})")), "/layers/0/index");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "image", "source": "a", "index": 1.5})")), "/layers/0/index");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "image", "source": "a", "index": 18446744073709551615})")),
+            "/layers/0/index");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "image", "source": "a", "invert": 1})")), "/layers/0/invert");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "image", "source": "a", "window": {"center": 1, "width": 0}})")),
+            "/layers/0/window/width");
+  EXPECT_EQ(
+      whereOf(withLayer(
+          R"({"kind": "slice", "source": "a", "plane": {"point": [1,2,3], "normal": [0,1], "up": [0,1,0]}})")),
+      "/layers/0/plane/normal");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "slice", "source": "a", )" + kPlane +
+                              R"(, "slab": {"thickness_mm": -1}})")),
+            "/layers/0/slab/thickness_mm");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "x", "version": "new"})")), "/layers/0/version");
+}
+
+TEST(SceneJson, NotANumberAndInfinityAreRefused) {
+  EXPECT_EQ(whereOf(withCamera(R"({"zoom": NaN})")), "/camera/zoom");
+  EXPECT_EQ(whereOf(withCamera(R"({"zoom": Infinity})")), "/camera/zoom");
+  EXPECT_EQ(whereOf(withCamera(R"({"zoom": 1e999})")), "/camera/zoom");
+  for (double x : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+    Scene s;
+    s.camera.pan_mm.y = x;
+    EXPECT_EQ(whereOf(writeScene(s)), "/camera/pan_mm/1");
+  }
+}
+
+TEST(SceneJson, SyntaxErrorsSayWhere) {
+  for (const char* bad :
+       {"", "{", "nonsense", R"({"schema": 1,})", R"({"schema": 1, "layers": [] } x)", "{\"a\": \"\xFF\"}"})
+    EXPECT_NE(whereOf(bad), "ok") << bad;
+  const auto e = parseScene(R"({"schema": 1, "camera": {"zoom" 3}, "layers": []})");
+  ASSERT_FALSE(e.ok());
+  EXPECT_EQ(e.error().where, "/camera/zoom");
+  EXPECT_THAT(e.error().sentence, HasSubstr("byte"));
+  EXPECT_EQ(whereOf("\xEF\xBB\xBF" + withLayer(R"({"kind": "x"})")), "ok") << "a byte order mark is skipped";
+}
+
+TEST(SceneJson, NewerSchemaIsSaidBeforeItsKeys) {
+  const auto e = parseScene(R"({"schema": 2, "novel": true, "layers": []})");
+  ASSERT_FALSE(e.ok());
+  EXPECT_EQ(e.error().where, "/schema");
+  EXPECT_THAT(e.error().sentence, HasSubstr("newer"));
+  EXPECT_EQ(whereOf(R"({"schema": 0, "layers": []})"), "/schema");
+  EXPECT_EQ(whereOf(R"({"schema": "1", "layers": []})"), "/schema");
+}
+
+TEST(SceneJson, LimitsHoldBeforeAnythingIsBuilt) {
+  const std::string deep = std::string(1000000, '[') + std::string(1000000, ']');
+  EXPECT_EQ(whereOf(deep), "");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "x", "a": )" + std::string(29, '[') + std::string(29, ']') + "}")),
+            "ok");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "x", "a": )" + std::string(30, '[') + std::string(30, ']') + "}")),
+            "");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "x", "a": "[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[\"[["})")), "ok");
+  const auto huge = parseScene(std::string(kMaxSceneBytes + 1, ' '));
+  ASSERT_FALSE(huge.ok());
+  EXPECT_THAT(huge.error().sentence, HasSubstr("16777217"));
+  std::string many = R"({"kind": "x"})";
+  for (std::size_t n = 1; n < kMaxSceneLayers; ++n) many += R"(, {"kind": "x"})";
+  EXPECT_EQ(whereOf(withLayer(many)), "ok");
+  EXPECT_EQ(whereOf(withLayer(many + R"(, {"kind": "x"})")), "/layers");
+}
+
+TEST(SceneJson, UnknownKindsAreKeptTokenByToken) {
+  const std::string layer =
+      R"({"z":[0.10,1E+5,-0,12345678901234567890123],"kind":"acme.flow","version":7,"t":"a \" ] } \u00e4 b","n":null})";
+  const auto s = parseScene(withLayer("\n  " + layer + " ,\n" + R"({ "kind" : "x" })"));
+  ASSERT_TRUE(s.ok()) << s.error().text();
+  EXPECT_EQ(std::get<CustomLayer>(s->layers[0]), (CustomLayer{"acme.flow", 7, layer}));
+  EXPECT_EQ(std::get<CustomLayer>(s->layers[1]), (CustomLayer{"x", 1, R"({"kind":"x"})"}));
+  EXPECT_THAT(writeScene(*s), HasSubstr(layer));
+  EXPECT_EQ(*parseScene(writeScene(*s)), *s);
+  // "layers" as a value or inside another object does not mislead.
+  const auto odd = parseScene(R"({"layers": [{"kind": "y", "layers": [1]}], "schema": 1})");
+  ASSERT_TRUE(odd.ok());
+  EXPECT_EQ(std::get<CustomLayer>(odd->layers[0]).json, R"({"kind":"y","layers":[1]})");
+}
+
+TEST(SceneJson, CustomLayersAreChecked) {
+  EXPECT_EQ(customLayer(R"( {"kind" : "k" , "version": 2} )")->json, R"({"kind":"k","version":2})");
+  EXPECT_FALSE(customLayer(R"({"kind": "slice"})").ok());
+  EXPECT_FALSE(customLayer("[1]").ok());
+  EXPECT_FALSE(customLayer("{").ok());
+}
+
+TEST(SceneJson, LocaleDoesNotMatter) {
+  const std::string before = std::setlocale(LC_ALL, nullptr);
+  // Where no locale with a decimal comma is installed the C locale is checked.
+  if (std::setlocale(LC_ALL, "de_DE.UTF-8") == nullptr) std::setlocale(LC_ALL, "C");
+  Scene s;
+  s.camera.zoom = 1.5;
+  const auto back = parseScene(writeScene(s));
+  std::setlocale(LC_ALL, before.c_str());
+  ASSERT_TRUE(back.ok());
+  EXPECT_EQ(back->camera.zoom, 1.5);
+}
+
+// The examples of the page are read as they stand, and together they show every key.
+TEST(SceneJson, ExamplesOfTheDocumentation) {
+  std::ifstream in(std::string(VERNIER_SOURCE_DIR) + "/docs/scene.md");
+  ASSERT_TRUE(in.good());
+  std::stringstream page;
+  page << in.rdbuf();
+  const std::string text = page.str();
+  int examples = 0;
+  std::string all;
+  for (std::size_t at = text.find("```json\n"); at != std::string::npos; at = text.find("```json\n", at)) {
+    at += 8;
+    const std::string example = text.substr(at, text.find("```", at) - at);
+    const auto scene = parseScene(example);
+    EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().text()) << "\n" << example;
+    if (!scene) continue;
+    EXPECT_EQ(*parseScene(writeScene(*scene)), *scene);
+    all += example;
+    ++examples;
+  }
+  EXPECT_GE(examples, 2);
+  for (const char* key :
+       {"schema",        "camera",      "background", "layers",        "azimuth_deg", "elevation_deg",
+        "roll_deg",      "projection",  "fov_deg",    "zoom",          "height_mm",   "pan_mm",
+        "kind",          "source",      "index",      "window",        "center",      "width",
+        "function",      "explanation", "voi_lut",    "interpolation", "invert",      "flip_horizontal",
+        "flip_vertical", "plane",       "point",      "normal",        "up",          "slab",
+        "thickness_mm",  "mode",        "version"}) {
+    EXPECT_THAT(all, HasSubstr("\"" + std::string(key) + "\"")) << "shown in an example";
+    EXPECT_THAT(text, HasSubstr("`" + std::string(key) + "`")) << "explained";
+  }
+}
+
+}  // namespace
+}  // namespace vernier
