@@ -79,6 +79,12 @@ Result<void> decodeEncapsulated(Source& source, const PixelIndex& index, const F
   switch (syntaxKind(spec.transferSyntaxUid)) {
     case SyntaxKind::Rle:
       return decodeRle(bytes, spec, out, scratch);
+    case SyntaxKind::Jpeg:
+      return decodeJpeg(bytes, spec, out, scratch);
+    case SyntaxKind::JpegLs:
+      return decodeJpegLs(bytes, spec, out, scratch);
+    case SyntaxKind::Jpeg2000:
+      return decodeJpeg2000(bytes, spec, out, scratch);
     case SyntaxKind::DeflatedFrames: {
       const auto plain = inflateAll(bytes);
       if (!plain) return plain.error();

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// JPEG baseline, extended, progressive and lossless (ITU-T T.81) by the IJG libraries that DCMTK brings for
+// 8, 12 and 16 bits: their arithmetic is what other DICOM readers agree with. The image's header is read here
+// first, so that the library never meets a size that the attributes do not declare. Colour is left as coded.
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmjpeg/djcparam.h>
+#include <dcmtk/dcmjpeg/djdijg12.h>
+#include <dcmtk/dcmjpeg/djdijg16.h>
+#include <dcmtk/dcmjpeg/djdijg8.h>
+#include <dcmtk/oflog/oflog.h>
+
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "decode/Codecs.h"
+
+namespace vernier::study {
+namespace {
+
+Error failed(const std::string& what) {
+  return makeError(ErrorCode::CodecFailed,
+                   "The JPEG data of a frame " + what + "; fetch the file again from its source.");
+}
+
+struct JpegHeader {
+  CodedImage image;
+  bool lossless = false;
+};
+
+std::uint32_t be16(ByteSpan b, std::size_t at) {
+  return std::to_integer<std::uint32_t>(b[at]) << 8 | std::to_integer<std::uint32_t>(b[at + 1]);
+}
+
+// Walks the marker segments up to the first frame header (SOF).
+std::optional<JpegHeader> findFrameHeader(ByteSpan b) {
+  if (b.size() < 4 || be16(b, 0) != 0xFFD8) return std::nullopt;
+  std::size_t at = 2;
+  while (at + 4 <= b.size()) {
+    if (b[at] != std::byte{0xFF}) return std::nullopt;
+    const auto marker = std::to_integer<unsigned>(b[at + 1]);
+    if (marker == 0xFF) {  // fill byte
+      ++at;
+      continue;
+    }
+    if (marker == 0x01 || (marker >= 0xD0 && marker <= 0xD8)) {  // no length
+      at += 2;
+      continue;
+    }
+    const std::size_t length = be16(b, at + 2);
+    if (length < 2 || at + 2 + length > b.size() || marker == 0xD9 || marker == 0xDA) return std::nullopt;
+    if (marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC) {
+      if (length < 8) return std::nullopt;
+      JpegHeader h;
+      h.image.precision = std::to_integer<std::uint32_t>(b[at + 4]);
+      h.image.rows = be16(b, at + 5);
+      h.image.columns = be16(b, at + 7);
+      h.image.components = std::to_integer<std::uint64_t>(b[at + 9]);
+      h.lossless = marker == 0xC3;
+      return h;
+    }
+    at += 2 + length;
+  }
+  return std::nullopt;
+}
+
+// The library tells warnings to its log; what matters comes back as an error.
+void silenceLog() {
+  static std::once_flag once;
+  std::call_once(once, [] { OFLog::getLogger("dcmtk.dcmjpeg").setLogLevel(OFLogger::OFF_LOG_LEVEL); });
+}
+
+std::unique_ptr<DJDecoder> decoderFor(const JpegHeader& h, const DJCodecParameter& p, bool isYbr) {
+  if (h.image.precision <= 8) return std::make_unique<DJDecompressIJG8Bit>(p, isYbr);
+  if (h.image.precision <= 12) return std::make_unique<DJDecompressIJG12Bit>(p, isYbr);
+  if (h.lossless) return std::make_unique<DJDecompressIJG16Bit>(p, isYbr);
+  return nullptr;
+}
+
+}  // namespace
+
+Result<void> decodeJpeg(ByteSpan frame, const FrameSpec& spec, std::span<std::byte> out, Scratch& scratch) {
+  silenceLog();
+  const auto header = findFrameHeader(frame);
+  if (!header) return failed("has no readable header");
+  if (auto r = checkCoded(header->image, spec); !r) return r;
+  const DJCodecParameter parameters(ECC_lossyYCbCr, EDC_never, EUC_never, EPC_default);
+  const auto decoder = decoderFor(*header, parameters, spec.photometric.starts_with("YBR"));
+  if (!decoder) return failed("is lossy with more than 12 bits, which JPEG does not have");
+  const std::uint64_t bytes = decoder->bytesPerSample();
+  const std::uint64_t size = out.size() / bytesOf(spec.sample) * bytes;
+  if (size > std::numeric_limits<Uint32>::max() || frame.size() > std::numeric_limits<Uint32>::max())
+    return makeError(ErrorCode::LimitExceeded, "A JPEG frame is larger than 4 GiB.");
+  scratch.pixels.resize(size);
+  if (decoder->init().bad()) return failed("cannot be read");
+  // The library takes its input as writable but only reads it.
+  auto* in = reinterpret_cast<Uint8*>(const_cast<std::byte*>(frame.data()));
+  const OFCondition done =
+      decoder->decode(in, static_cast<Uint32>(frame.size()), reinterpret_cast<Uint8*>(scratch.pixels.data()),
+                      static_cast<Uint32>(size), spec.isSigned);
+  if (done.bad()) return failed(std::string("is cut short or damaged (") + done.text() + ")");
+  widenSamples(spec, header->image.precision, scratch.pixels, bytes, out);
+  return {};
+}
+
+}  // namespace vernier::study
