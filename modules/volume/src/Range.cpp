@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 
+#include "Exclusion.h"
 #include "VoxelAccess.h"
 #include "vernier/base/Threads.h"
 
@@ -21,55 +22,35 @@ struct Extrema {
   T max = std::numeric_limits<T>::lowest();
 };
 
-// The loops below are written so that the compiler turns them into SIMD minima and maxima.
-template <class T>
-Extrema<T> extremaOf(const T* v, std::size_t n) {
-  Extrema<T> e;
-  for (std::size_t i = 0; i < n; ++i) {
-    e.min = v[i] < e.min ? v[i] : e.min;
-    e.max = v[i] > e.max ? v[i] : e.max;
-  }
-  return e;
-}
+// kLanes running extrema side by side, so that the compiler may use SIMD without reordering anything. NaN
+// never compares, so it never enters.
+constexpr std::size_t kLanes = 32;
 
-// Without [first, last]. What is left out counts as the neutral element of each.
-template <class T>
-Extrema<T> extremaWithout(const T* v, std::size_t n, T first, T last) {
-  Extrema<T> e;
-  for (std::size_t i = 0; i < n; ++i) {
-    const bool out = v[i] >= first && v[i] <= last;
-    const T low = out ? std::numeric_limits<T>::max() : v[i];
-    const T high = out ? std::numeric_limits<T>::lowest() : v[i];
-    e.min = low < e.min ? low : e.min;
-    e.max = high > e.max ? high : e.max;
-  }
-  return e;
-}
-
-// The values of T inside a no-data range given in double; nullopt when T holds none of them.
-template <class T>
-std::optional<std::pair<T, T>> rangeIn(const NoDataRange& range) {
-  if constexpr (std::is_floating_point_v<T>) {
-    T first = static_cast<T>(range.first), last = static_cast<T>(range.last);
-    if (first < range.first) first = std::nextafter(first, std::numeric_limits<T>::infinity());
-    if (last > range.last) last = std::nextafter(last, -std::numeric_limits<T>::infinity());
-    return first <= last ? std::optional(std::pair(first, last)) : std::nullopt;
-  } else {
-    const double first =
-        std::max(std::ceil(range.first), static_cast<double>(std::numeric_limits<T>::lowest()));
-    const double last = std::min(std::floor(range.last), static_cast<double>(std::numeric_limits<T>::max()));
-    if (first > last) return std::nullopt;
-    return std::pair(static_cast<T>(first), static_cast<T>(last));
-  }
+template <class T, class Excluded>
+Extrema<T> extremaWithout(const T* v, std::size_t n, Excluded excluded) {
+  constexpr T kNeutralMin = std::numeric_limits<T>::max(), kNeutralMax = std::numeric_limits<T>::lowest();
+  T min[kLanes], max[kLanes];
+  std::fill_n(min, kLanes, kNeutralMin);
+  std::fill_n(max, kLanes, kNeutralMax);
+  const auto take = [&](std::size_t lane, T x) {
+    const bool out = excluded(x);
+    const T low = out ? kNeutralMin : x;
+    const T high = out ? kNeutralMax : x;
+    min[lane] = low < min[lane] ? low : min[lane];
+    max[lane] = high > max[lane] ? high : max[lane];
+  };
+  std::size_t i = 0;
+  for (; i + kLanes <= n; i += kLanes)
+    for (std::size_t lane = 0; lane < kLanes; ++lane) take(lane, v[i + lane]);
+  for (; i < n; ++i) take(0, v[i]);
+  return {*std::min_element(min, min + kLanes), *std::max_element(max, max + kLanes)};
 }
 
 // One slice. An empty result has min > max. A slice may hold nothing but the neutral elements themselves (all
 // 65535, say): min = 65535, max = 65535 then, since both ends see each valid voxel.
 template <class T>
 Extrema<T> sliceExtrema(const T* v, std::size_t n, const std::optional<NoDataRange>& noData) {
-  if (noData)
-    if (const auto out = rangeIn<T>(*noData)) return extremaWithout(v, n, out->first, out->second);
-  return extremaOf(v, n);
+  return withExclusion<T>(noData, [&](auto excluded) { return extremaWithout(v, n, excluded); });
 }
 
 }  // namespace
@@ -80,8 +61,10 @@ NonFinite cleanFloats(VoxelType type, std::byte* voxels, std::size_t count) {
   std::atomic<std::uint64_t> nan{0}, plus{0}, minus{0};
   float* const v = reinterpret_cast<float*>(voxels);
   parallelFor(count, kGrain, [&](std::size_t begin, std::size_t end) {
-    std::uint32_t any = 0;  // x - x is 0 for finite x only
-    for (std::size_t i = begin; i < end; ++i) any |= v[i] - v[i] != 0.0f;
+    constexpr std::uint32_t kExponent = 0x7f800000u;  // all ones: infinite or NaN
+    std::uint32_t any = 0;
+    for (std::size_t i = begin; i < end; ++i)
+      any |= (std::bit_cast<std::uint32_t>(v[i]) & kExponent) == kExponent ? 1u : 0u;
     if (!any) return;
     for (std::size_t i = begin; i < end; ++i) {
       if (std::isnan(v[i])) ++nan;

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Min-max bricks: for each brick of edge^3 cells the least and greatest stored value of all voxels that
-// interpolation inside the brick can touch (the brick's voxels plus one layer on the high side). Made on
-// request; cache them by the volume's revision. noData counts voxels that are excluded; an all-no-data brick
-// has min > max.
+// Min-max bricks: for each brick of edge^3 cells bounds of the modality values of all voxels that
+// interpolation inside the brick can touch (the brick's voxels plus one layer on the high side), no-data left
+// out. Made on request; cache them by the volume's revision.
+//
+// Brick (bx, by, bz) covers Voxel-frame i in [bx edge, (bx+1) edge), j likewise, and *slice index* in [bz
+// edge, (bz+1) edge); positions below 0 belong to brick 0, positions in the last half voxel to the last
+// brick. Slices that wander in the plane (sliceOrigin_vox.xy) widen what a brick can touch. min and max are
+// rounded outwards to float, so they are true bounds. A brick without a valid voxel has min > max. hasNoData
+// is 1 where a voxel is no-data or a gap lies inside the brick. Runs on all cores.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -21,6 +26,6 @@ struct Bricks {
     return static_cast<std::size_t>(x + nx * (y + ny * z));
   }
 };
-VERNIER_API Bricks makeBricks(const Volume&, int edge = 8);
+VERNIER_API Bricks makeBricks(const Volume&, int edge = 8);  // edge >= 1
 
 }  // namespace vernier
