@@ -51,7 +51,7 @@ struct ColumnExtrema {
     std::uint8_t* const holes = noData.data();
     for (std::size_t i = 0, n = min.size(); i < n; ++i) {
       const T x = v[i];
-      const bool out = excluded(x) | (x != x);
+      const bool out = excluded(x) | notANumber(x);
       const T low = out ? std::numeric_limits<T>::max() : x;
       const T high = out ? std::numeric_limits<T>::lowest() : x;
       lows[i] = low < lows[i] ? low : lows[i];

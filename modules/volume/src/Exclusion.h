@@ -31,6 +31,15 @@ std::optional<std::pair<T, T>> rangeIn(const NoDataRange& range) {
   }
 }
 
+template <class T>
+bool notANumber([[maybe_unused]] T x) {
+  if constexpr (std::is_floating_point_v<T>) {
+    return x != x;
+  } else {
+    return false;
+  }
+}
+
 template <class T, class Fn>
 auto withExclusion(const std::optional<NoDataRange>& noData, Fn&& fn) {
   const auto range = noData ? rangeIn<T>(*noData) : std::nullopt;

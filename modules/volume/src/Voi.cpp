@@ -31,4 +31,15 @@ double applyVoi(const VoiWindow& w, double x) {
   return std::clamp(y, 0.0, 1.0);
 }
 
+double lookUp(const LutTable& lut, double value) {
+  if (lut.data.empty() || std::isnan(value)) return lut.data.empty() ? 0 : value;
+  const double last = static_cast<double>(lut.data.size() - 1);
+  return lut.data[static_cast<std::size_t>(std::clamp(std::floor(value - lut.firstMapped), 0.0, last))];
+}
+
+double applyVoi(const LutTable& lut, double modality) {
+  const double full = std::exp2(std::clamp<double>(lut.bits, 1, 16)) - 1;
+  return std::isnan(modality) ? modality : std::clamp(lookUp(lut, modality) / full, 0.0, 1.0);
+}
+
 }  // namespace vernier

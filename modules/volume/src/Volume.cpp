@@ -97,6 +97,14 @@ std::optional<Finding> nonFiniteFinding(const NonFinite& n) {
   return f;
 }
 
+Finding nothingToShow() {
+  Finding f;
+  f.code = "all-padding";
+  f.severity = Severity::Warning;
+  f.sentence = "Every voxel is padding or not a number: there is no data to show.";
+  return f;
+}
+
 }  // namespace
 
 std::size_t bytesOf(VoxelType t) {
@@ -165,6 +173,7 @@ Result<std::shared_ptr<const Volume>> Volume::makeAny(VolumeInfo&& info, Buffer&
 
     std::shared_ptr<Volume> v(new Volume);
     v->range_ = modalityExtrema(info.type, voxels.data(), perSlice, slices, info.rescale, info.noData);
+    if (!v->range_) info.findings.push_back(nothingToShow());
     v->voxelFromPatient_ = g.patientFromVoxel.inverse();
     v->info_ = std::move(info);
     v->voxels_ = std::move(voxels);

@@ -32,7 +32,12 @@ VERNIER_API Result<std::shared_ptr<const ImageFrame>> buildImageFrame(const Stud
 VERNIER_API Result<std::shared_ptr<const Volume>> readMetaImage(const std::string& path,
                                                                 const BuildOptions& = {});
 
-// The window to show first: the file's first, else 1st..99th percentile without padding, never of zero width.
+// The window to show first: the file's first valid one (normalised), else the automatic one.
 VERNIER_API VoiWindow defaultWindow(const Volume&);
+
+// 1st..99th percentile of the modality values (nearest rank) without padding, as LINEAR_EXACT; at least one
+// stored step wide, so a constant volume shows as mid grey; 0..1 when all is no-data. Reads all voxels: cache
+// it by revision.
+VERNIER_API VoiWindow automaticWindow(const Volume&);
 
 }  // namespace vernier

@@ -34,11 +34,19 @@ struct ImageFrameInfo {
 
 class VERNIER_API ImageFrame {
  public:
+  // PixelDataShort, PixelDescriptionInvalid or RescaleInvalid when info and pixels don't fit each other.
   static Result<std::shared_ptr<const ImageFrame>> make(ImageFrameInfo info, Buffer pixels);
+  ImageFrame(const ImageFrame&) = delete;
+  ImageFrame& operator=(const ImageFrame&) = delete;
   const ImageFrameInfo& info() const { return info_; }
   const std::byte* data() const { return pixels_.data(); }
   double stored(std::int64_t column, std::int64_t row) const;
   double modality(std::int64_t column, std::int64_t row) const;  // through slope or modality LUT
+  double modalityOf(double stored) const;
+  bool isNoData(double storedValue) const {
+    return storedValue != storedValue ||
+           (info_.noData && storedValue >= info_.noData->first && storedValue <= info_.noData->last);
+  }
   Revision revision() const { return revision_; }
 
  private:

@@ -22,4 +22,10 @@ VERNIER_API VoiRamp rampOf(const VoiWindow&);  // for Linear and LinearExact onl
 VERNIER_API bool usableWindow(const VoiWindow&);
 VERNIER_API VoiWindow normalised(VoiWindow);
 
+// Output of a modality or VOI LUT (PS3.3 C.11.1.1, C.11.2.1.1): values before the first mapped one take the
+// first entry, values past the last take the last. An empty table gives 0.
+VERNIER_API double lookUp(const LutTable&, double value);
+// A VOI LUT scaled to 0..1 by its bits per entry.
+VERNIER_API double applyVoi(const LutTable&, double modality);
+
 }  // namespace vernier

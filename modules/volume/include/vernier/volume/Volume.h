@@ -54,11 +54,13 @@ struct NoDataRange {
 struct VolumeInfo {
   GridGeometry grid;
   VoxelType type = VoxelType::I16;
-  std::vector<ModalityRescale> rescale{
-      ModalityRescale{}};             // one entry when equal for all slices, else one per slice
+  // One entry when equal for all slices, else one per slice.
+  std::vector<ModalityRescale> rescale{ModalityRescale{}};
   std::optional<NoDataRange> noData;  // in stored values
-  bool paddingInTissueRange =
-      false;  // MR padding 0: excluded from the automatic window only, noData is empty
+  // MR padding that lies among tissue values (0): noData is empty then, the voxels are data like any other,
+  // and only the automatic window leaves windowNoData out.
+  bool paddingInTissueRange = false;
+  std::optional<NoDataRange> windowNoData;
   std::string modality, unit = "stored value";
   std::vector<VoiWindow> windows;  // the file's own, first is the default; may be empty
   std::vector<LutTable> voiLuts;
