@@ -15,9 +15,7 @@ namespace vernier {
 
 struct BuildOptions {
   bool bridgeGaps = false;
-  // Reserved before anything is allocated, released when the last holder of the volume lets go; outlives the
-  // volume.
-  MemoryBudget* budget = nullptr;
+  MemoryBudget* budget = nullptr;  // checked before anything is allocated
 };
 
 // Decodes a stack that passed 3-D validation. GeometryRefused with the stack's reason otherwise. Peak memory:
@@ -30,11 +28,7 @@ VERNIER_API Result<std::shared_ptr<const Volume>> buildVolume(const StudySet&, c
 VERNIER_API Result<std::shared_ptr<const ImageFrame>> buildImageFrame(const StudySet&, const Series&,
                                                                       const Stack&, std::size_t slice);
 
-// MetaImage (.mhd + raw, .mha), 1 channel, 2 or 3 dimensions, all element types of 8, 16 and 32 bits and
-// MET_FLOAT, raw or compressed, either byte order. Offset and TransformMatrix are LPS mm by ITK's convention:
-// numbers 3a..3a+2 of TransformMatrix are the direction of axis a. Nothing says what the values mean: the
-// unit is "stored value". The data file must lie in or below the header's folder; sizes are checked against
-// it before memory is set aside.
+// MetaImage (.mhd + raw, .mha), 1 channel. Offset and TransformMatrix are taken as LPS mm (ITK's convention).
 VERNIER_API Result<std::shared_ptr<const Volume>> readMetaImage(const std::string& path,
                                                                 const BuildOptions& = {});
 

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// All layers of a scene, made ready once and asked pixel by pixel.
+#pragma once
+#include <variant>
+
+#include "ImageReference.h"
+#include "SliceReference.h"
+
+namespace vernier::quality {
+
+class Layers {
+ public:
+  static Result<Layers> make(const Scene&, const View&, const Sources&, const ReferenceOptions&);
+  // `slice`, when given, takes what the layer that shows there says of its value, when it is a slice.
+  ReferencePixel at(glm::dvec2 pixel, std::optional<SliceValue>* slice = nullptr) const;
+  bool covers(glm::dvec2 pixel) const;
+
+  struct Prepared {
+    std::variant<SliceReference, ImageReference> layer;
+    int samples = 0;
+  };
+  const std::vector<Prepared>& prepared() const { return layers_; }
+
+ private:
+  std::vector<Prepared> layers_;
+  glm::dvec3 background_{0};
+};
+
+inline glm::dvec2 centreOf(std::size_t pixel, const View& view) {
+  const auto w = static_cast<std::size_t>(view.width_px);
+  return {static_cast<double>(pixel % w) + 0.5, static_cast<double>(pixel / w) + 0.5};
+}
+
+}  // namespace vernier::quality

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "Population.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace vernier::quality {
+namespace {
+
+constexpr double kDilate_px = 2;
+constexpr int kTile = 16;
+
+double turn(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+// Convex hull, counter-clockwise, by Andrew's monotone chain.
+std::vector<glm::dvec2> hullOf(std::vector<glm::dvec2> p) {
+  std::sort(p.begin(), p.end(),
+            [](glm::dvec2 a, glm::dvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
+  std::vector<glm::dvec2> hull;
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t start = hull.size();
+    for (const glm::dvec2& q : p) {
+      while (hull.size() >= start + 2 && turn(hull[hull.size() - 2], hull.back(), q) <= 0) hull.pop_back();
+      hull.push_back(q);
+    }
+    hull.pop_back();
+    std::reverse(p.begin(), p.end());
+  }
+  return hull;
+}
+
+// The box that holds all voxels with their half-voxel borders, as two corners in the Voxel frame.
+std::array<glm::dvec3, 2> boxOf(const GridGeometry& g) {
+  glm::dvec2 least(0), greatest(0);
+  if (!g.even()) least = greatest = glm::dvec2(g.sliceOrigin_vox.front());
+  for (const glm::dvec3& o : g.sliceOrigin_vox) {
+    least = glm::min(least, glm::dvec2(o));
+    greatest = glm::max(greatest, glm::dvec2(o));
+  }
+  const double reach = 0.5 + 1e-6;
+  return {
+      glm::dvec3(least - reach, g.firstPosition_vox() - reach),
+      glm::dvec3(
+          greatest + glm::dvec2(static_cast<double>(g.columns - 1), static_cast<double>(g.rows - 1)) + reach,
+          g.lastPosition_vox() + reach)};
+}
+
+// Corners, in pixels, of the part of the volume's box that lies within the slab.
+std::vector<glm::dvec2> slabOutline(const SliceReference& slice) {
+  const GridGeometry& g = slice.volume().grid();
+  const std::array<glm::dvec3, 2> box = boxOf(g);
+  std::array<glm::dvec3, 8> corner;
+  std::array<double, 8> height;
+  const glm::dvec3 onPlane = slice.patientAt({0, 0});
+  for (std::size_t n = 0; n < 8; ++n) {
+    const VoxelPoint p(box[n & 1].x, box[n >> 1 & 1].y, box[n >> 2].z);
+    corner[n] = (g.patientFromVoxel * p).p;
+    height[n] = glm::dot(corner[n] - onPlane, slice.normal());
+  }
+  const double half = 0.5 * slice.thickness_mm() + 1e-9;
+  std::vector<glm::dvec2> out;
+  for (std::size_t n = 0; n < 8; ++n) {
+    if (std::abs(height[n]) <= half) out.push_back(slice.pixelOf(corner[n]));
+    for (std::size_t bit = 1; bit < 8; bit <<= 1) {
+      const std::size_t m = n | bit;
+      if (m == n) continue;
+      for (double level : {-half, half})
+        if ((height[n] - level) * (height[m] - level) < 0) {
+          const double t = (level - height[n]) / (height[m] - height[n]);
+          out.push_back(slice.pixelOf(corner[n] + t * (corner[m] - corner[n])));
+        }
+    }
+  }
+  return out;
+}
+
+void fill(const std::vector<glm::dvec2>& outline, const View& view, std::vector<char>& mask) {
+  std::vector<glm::dvec2> wide;
+  for (const glm::dvec2& p : outline)
+    for (double dx : {-kDilate_px, kDilate_px})
+      for (double dy : {-kDilate_px, kDilate_px}) wide.push_back(p + glm::dvec2(dx, dy));
+  if (wide.empty()) return;
+  const std::vector<glm::dvec2> hull = hullOf(std::move(wide));
+  for (int row = 0; row < view.height_px; ++row) {
+    const double y = row + 0.5;
+    double from = 1e300, to = -1e300;
+    for (std::size_t n = 0; n < hull.size(); ++n) {
+      const glm::dvec2 a = hull[n], b = hull[(n + 1) % hull.size()];
+      if ((a.y > y) == (b.y > y) && a.y != y && b.y != y) continue;
+      const double x = a.y == b.y ? a.x : a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x);
+      from = std::min(from, x);
+      to = std::max(to, x);
+    }
+    const double first = std::clamp(std::ceil(from - 0.5), 0.0, static_cast<double>(view.width_px));
+    const double last = std::clamp(std::floor(to - 0.5), -1.0, static_cast<double>(view.width_px - 1));
+    const auto start = static_cast<std::size_t>(row) * static_cast<std::size_t>(view.width_px);
+    for (double x = first; x <= last; ++x) mask[start + static_cast<std::size_t>(x)] = 1;
+  }
+}
+
+}  // namespace
+
+std::vector<std::size_t> population(const Layers& layers, const View& view) {
+  const auto width = static_cast<std::size_t>(view.width_px),
+             height = static_cast<std::size_t>(view.height_px);
+  std::vector<char> mask(width * height, 0);
+  for (const Layers::Prepared& p : layers.prepared()) {
+    if (const auto* slice = std::get_if<SliceReference>(&p.layer)) {
+      fill(slabOutline(*slice), view, mask);
+    } else {
+      const auto& image = std::get<ImageReference>(p.layer);
+      const glm::dvec2 a = image.least(), b = image.greatest();
+      fill({a, {b.x, a.y}, b, {a.x, b.y}}, view, mask);
+    }
+  }
+  std::vector<std::size_t> out;
+  out.reserve(mask.size());
+  for (std::size_t y0 = 0; y0 < height; y0 += kTile)
+    for (std::size_t x0 = 0; x0 < width; x0 += kTile)
+      for (std::size_t y = y0; y < std::min(height, y0 + kTile); ++y)
+        for (std::size_t x = x0; x < std::min(width, x0 + kTile); ++x)
+          if (mask[x + width * y]) out.push_back(x + width * y);
+  return out;
+}
+
+}  // namespace vernier::quality
