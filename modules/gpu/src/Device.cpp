@@ -73,6 +73,7 @@ Result<std::unique_ptr<Device>> Device::make(const DeviceOptions& options) {
   if (Result<void> r = device->adopt(); !r) return r.error();
   if (Result<void> r = d.core->load(); !r) return r.error();
   d.limits = limitsOf(d.core->gl);
+  d.limits.cacheLimit_bytes = options.cacheLimit_bytes;
   makeSamplers(d.core->gl, d.samplers);
   d.core->gl.GenQueries(1, &d.fragmentQuery);
   if (Result<void> r = device->check("making the context"); !r) return r.error();
@@ -141,6 +142,7 @@ void describe(const Limits& l, Capabilities& c) {
   c.glIsSoftware = l.software;
   c.glRenderer = l.renderer, c.glVersion = l.version, c.glWhyNot.clear();
   c.max3dTexture = l.max3d, c.maxTexture = l.max2d;
+  c.glTextureBudget_bytes = l.cacheLimit_bytes;
 }
 
 void probe(Capabilities& c, const DeviceOptions& options) {

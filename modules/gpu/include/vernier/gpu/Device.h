@@ -32,6 +32,7 @@ struct Limits {
   int max2d = 0, max3d = 0, maxColours = 0;
   std::string renderer, version, vendor;
   bool software = true;
+  std::uint64_t cacheLimit_bytes = 0;  // of DeviceOptions
 };
 
 class VERNIER_API Device {

@@ -35,6 +35,7 @@ struct Capabilities {
   bool glIsSoftware = true;  // llvmpipe and the like
   std::string glRenderer, glVersion, glWhyNot;
   int max3dTexture = 0, maxTexture = 0;
+  std::uint64_t glTextureBudget_bytes = 1ull << 30;  // textures that GL may keep between frames
 };
 
 }  // namespace vernier

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// mpr.polygon: one polygon on a 3-D texture of the whole volume. Evenly spaced slices only; a slab is a loop
+// in the fragment shader. Drawn in bands of rows, so that a cancel never waits for a whole slab.
+#include <algorithm>
+#include <array>
+
+#include "GlSlice.h"
+
+namespace vernier::mpr {
+namespace {
+
+// Built-in cost of a sample, measured on llvmpipe with two cores.
+constexpr double kSample_ns = 60.0, kSetUp_ms = 3.0;
+constexpr double kBandSamples = 1e6;  // between two looks at the stop token
+constexpr int kMostSamples = 4096;
+constexpr std::array<int, 4> kVertexLayout{2, 1, 2, 2};
+constexpr Margin kMargin{1.0 / 16.0, 1e-5};
+
+Result<std::shared_ptr<const gpu::Texture>> volumeTexture(gpu::Device& device, const Volume& volume,
+                                                          const TexelCode& code, std::stop_token stop) {
+  const GridGeometry& g = volume.grid();
+  if (code.bytes(g) > device.cache().limit())
+    return makeError(ErrorCode::OutOfMemory, "The volume needs " + std::to_string(code.bytes(g) >> 20) +
+                                                 " MB as a texture and GL may hold " +
+                                                 std::to_string(device.cache().limit() >> 20) + " MB.");
+  const char* kind = code.format == gpu::Format::R16 ? "volume r16" : "volume r32f";
+  return device.cache().get({kind, volume.revision(), 0}, [&]() -> Result<gpu::Texture> {
+    Result<gpu::Texture> t = device.texture3d(code.format, static_cast<int>(g.columns),
+                                              static_cast<int>(g.rows), static_cast<int>(g.slices));
+    if (!t) return t;
+    std::vector<std::byte> scratch;
+    for (std::int64_t k = 0; k < g.slices; ++k) {
+      if (stop.stop_requested()) return cancelled();
+      Result<void> r =
+          device.uploadSlices(*t, static_cast<int>(k), 1, slicedTexels(volume, code, k, scratch));
+      if (!r) return r.error();
+    }
+    return t;
+  });
+}
+
+// A slab's polygon is that of the union of its samples: the picture, cut only where one sample alone is
+// drawn.
+Outline outlineOf(const SliceParams& p) {
+  if (p.slabSamples == 1)
+    return crossSection(voxelPlane(p, 0), p.volume->grid(), p.view.width_px, p.view.height_px, kMargin);
+  const double w = p.view.width_px, h = p.view.height_px;
+  return {{0, 0}, {w, 0}, {w, h}, {0, h}};
+}
+
+std::vector<float> vertexFloats(const Outline& outline) {
+  std::vector<float> out;
+  for (const glm::dvec2& p : outline)
+    for (const double v : {p.x, p.y, 0.0, 0.0, 0.0, 0.0, 0.0}) out.push_back(static_cast<float>(v));
+  return out;
+}
+
+Result<void> drawPolygon(gpu::Device& device, const SliceParams& p, const TexelCode& code, bool fixed,
+                         const gpu::Target& target, std::stop_token stop) {
+  const Outline outline = outlineOf(p);
+  if (outline.empty()) return {};
+  auto program = device.program(fixed ? "mpr polygon, fixed-function" : "mpr polygon",
+                                shaderOf("", {"picture.vert.glsl"}),
+                                shaderOf(fixed ? "#define DEEPER\n#define FIXED\n" : "#define DEEPER\n",
+                                         {"position.glsl", "value.glsl", "polygon.frag.glsl"}));
+  if (!program) return program.error();
+  auto texture = volumeTexture(device, *p.volume, code, stop);
+  if (!texture) return texture.error();
+  Result<gpu::VertexData> vertices = device.vertices(vertexFloats(outline), kVertexLayout);
+  if (!vertices) return vertices.error();
+
+  gpu::Draw d;
+  d.program = program->get();
+  d.vertices = &*vertices;
+  d.count = vertices->count();
+  d.primitive = gpu::Primitive::TriangleFan;
+  d.textures = {{"volume", texture->get(), fixed ? gpu::Filter::Linear : gpu::Filter::Nearest}};
+  d.uniforms = {{"size_px", glm::vec2(p.view.width_px, p.view.height_px)},
+                {"samples", p.slabSamples},
+                {"nearest", p.interpolation == Interpolation::Nearest ? 1 : 0},
+                {"mode", static_cast<int>(p.slab.mode)}};
+  addValueUniforms(d.uniforms, code);
+  const VoxelPlane plane = voxelPlane(p, 0);
+  addPositionUniforms(d.uniforms, plane, p.view.width_px, p.view.height_px);
+  const glm::dvec3 deeper = p.slabSamples > 1 ? voxelPlane(p, 1).origin - plane.origin : glm::dvec3(0);
+  addDeeperUniforms(d.uniforms, deeper, p.slabSamples);
+
+  const double perRow = static_cast<double>(p.view.width_px) * p.slabSamples;
+  const int rows = std::clamp(static_cast<int>(kBandSamples / perRow), 1, p.view.height_px);
+  for (int y = 0; y < p.view.height_px; y += rows) {
+    if (stop.stop_requested()) return cancelled();
+    d.state.scissor = gpu::Rect{0, y, p.view.width_px, std::min(rows, p.view.height_px - y)};
+    if (Result<void> r = device.draw(target, {&d, 1}); !r) return r;
+    if (Result<void> r = device.limits().software ? device.finish() : Result<void>(); !r) return r;
+  }
+  return {};
+}
+
+// Why a 3-D texture cannot hold this volume; empty when it can.
+std::string refusal(const Volume& volume, const TexelCode& code, const Capabilities& c) {
+  const GridGeometry& g = volume.grid();
+  if (!g.even())
+    return "The slices are unevenly spaced or have gaps, and a 3-D texture knows even spacing only.";
+  const std::int64_t largest = std::max({g.columns, g.rows, g.slices});
+  const std::int64_t limit = c.max3dTexture > 0 ? c.max3dTexture : 2048;
+  if (largest > limit)
+    return "The volume has " + std::to_string(largest) + " voxels on a side; 3-D textures here take up to " +
+           std::to_string(limit) + ".";
+  if (code.bytes(g) > c.glTextureBudget_bytes)
+    return "The volume needs " + std::to_string(code.bytes(g) >> 20) + " MB as a texture and GL may hold " +
+           std::to_string(c.glTextureBudget_bytes >> 20) + " MB.";
+  return {};
+}
+
+Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
+  Result<std::shared_ptr<const SliceParams>> params = sliceParams(layer, context);
+  if (!params) return params.error();
+  const SliceParams& p = **params;
+  if (Result<void> r = checkDrawable(p, context.capabilities); !r) return r.error();
+  const Result<TexelCode> code = texelCode(*p.volume);
+  if (!code) return code.error();
+  if (std::string why = refusal(*p.volume, *code, context.capabilities); !why.empty())
+    return makeError(ErrorCode::NoTechnique, std::move(why));
+  if (p.slabSamples > kMostSamples)
+    return makeError(ErrorCode::NoTechnique, "The slab needs " + std::to_string(p.slabSamples) +
+                                                 " samples per pixel; GL here takes up to 4096.");
+  const bool fixed =
+      context.quality.level == QualityLevel::Draft && mayUseFixedFunction(*p.volume, p.interpolation);
+
+  Pass pass;
+  pass.name = "slice " + std::to_string(index);
+  pass.inputs = {"volume texture"};
+  pass.outputs = {"colour", "depth"};
+  if (context.view.wantValues) pass.outputs.push_back("values");
+  pass.resources = {{"texture3d", code->bytes(p.volume->grid())}};
+  const auto known = context.costs.nsPerSample.find("mpr.polygon");
+  const double ns = known != context.costs.nsPerSample.end() ? known->second : kSample_ns;
+  pass.predicted_ms = kSetUp_ms + ns * 1e-6 * p.view.width_px * p.view.height_px * p.slabSamples;
+  pass.predictedError = predictedError(p, context.quality.step, fixed);
+  pass.fixedFunctionFiltering = fixed;
+  pass.params = *params;
+  return std::vector<Pass>{std::move(pass)};
+}
+
+Result<void> execute(Host& host, const Pass& pass, Images& images, std::stop_token stop) {
+  const auto* p = dynamic_cast<const SliceParams*>(pass.params.get());
+  if (!p) return makeError(ErrorCode::Internal, "The pass has no slice parameters.", "mpr.polygon");
+  const Result<TexelCode> code = texelCode(*p->volume);
+  if (!code) return code.error();
+  Result<gpu::Device*> device = host.glDevice();
+  if (!device) return device.error();
+  gpu::Device& d = **device;
+  const Counters before = d.counters();
+  Result<gpu::Target> target = accumulationTarget(d, *p);
+  if (!target) return target.error();
+  if (Result<void> r = drawPolygon(d, *p, *code, pass.fixedFunctionFiltering, *target, stop); !r) return r;
+  const std::uint64_t pixels = d.counters().samples - before.samples;
+  if (Result<void> r = resolve(d, *target, *p, *code, images); !r) return r;
+  images.counters.samples += pixels * static_cast<std::uint64_t>(p->slabSamples);
+  addCounters(images.counters, before, d.counters());
+  ++images.counters.passes;
+  return {};
+}
+
+}  // namespace
+
+Technique polygonTechnique(Host& host) {
+  Technique t;
+  t.name = "mpr.polygon";
+  t.kinds = {"slice"};
+  t.engine = Engine::Gl;
+  t.passesFor = passesFor;
+  t.execute = [&host](const Pass& pass, Images& images, std::stop_token stop) {
+    return execute(host, pass, images, stop);
+  };
+  return t;
+}
+
+}  // namespace vernier::mpr
