@@ -49,6 +49,15 @@ Result<Buffer> Buffer::make(std::size_t bytes) {
   return b;
 }
 
+void Buffer::shrink(std::size_t bytes) {
+  VERNIER_ASSERT(bytes <= size_);
+  const std::size_t needed = roundUp(bytes + kSlack, kPage);
+  size_ = bytes;
+  if (needed >= mapped_) return;
+  munmap(data_ + needed, mapped_ - needed);
+  mapped_ = needed;
+}
+
 Buffer::Buffer(Buffer&& o) noexcept
     : data_(std::exchange(o.data_, nullptr)),
       size_(std::exchange(o.size_, 0)),

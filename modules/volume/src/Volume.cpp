@@ -193,6 +193,10 @@ VoxelValue Volume::probe(std::int64_t i, std::int64_t j, std::int64_t k) const {
   if (original_) {
     v.stored = storedAt(original_->type, original_->voxels.data(), index(i, j, k));
     v.noData = inRange(original_->noData, v.stored) || isNoData(stored(i, j, k));
+    if (original_->throughLut) {
+      v.modality = modality(i, j, k);
+      return v;
+    }
     r = &original_->rescale[original_->rescale.size() == 1 ? 0 : static_cast<std::size_t>(k)];
   } else {
     v.stored = stored(i, j, k);

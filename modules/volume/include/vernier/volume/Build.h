@@ -2,6 +2,7 @@
 // From a stack of a study, or from a MetaImage file, to a Volume or an ImageFrame.
 #pragma once
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -15,20 +16,34 @@ namespace vernier {
 
 struct BuildOptions {
   bool bridgeGaps = false;
-  MemoryBudget* budget = nullptr;  // checked before anything is allocated
+  // Reserved before anything is allocated, released when the last holder of the volume lets go; outlives the
+  // volume.
+  MemoryBudget* budget = nullptr;
 };
 
-// Decodes a stack that passed 3-D validation. GeometryRefused with the stack's reason otherwise. Peak memory:
+// Decodes a stack that passed 3-D validation; GeometryRefused with the stack's reason otherwise. Voxels keep
+// their type; where slopes differ from slice to slice (or a modality LUT stands) they become float modality
+// values and the stored ones stay beside them (Volume::original). A slice that cannot be decoded counts as
+// missing: a gap and the finding "slices-not-decoded", never zeros. Lossy CT: "padding-blurred". Peak memory:
 // at most 1.3 x the volume + 100 MB.
 VERNIER_API Result<std::shared_ptr<const Volume>> buildVolume(const StudySet&, const Series&, const Stack&,
                                                               const BuildOptions& = {},
                                                               const ProgressFn& = {}, std::stop_token = {});
 
-// Decodes one slice of any image stack. `slice` in [0, stack.slices.size()).
-VERNIER_API Result<std::shared_ptr<const ImageFrame>> buildImageFrame(const StudySet&, const Series&,
-                                                                      const Stack&, std::size_t slice);
+// Decodes one slice of any grey image stack; colour is NotBuiltYet. `slice` in [0, stack.slices.size()). A
+// stack shows one window, its middle slice's; NM, XA, CR, DX, MG and stacks without geometry have one per
+// image. autoWindow: 1st.. 99th percentile of the stack (of at most 32 slices spread over it) where the file
+// has no window, else of this image. Pass the autoWindow of an earlier frame of the same stack to save that
+// work.
+VERNIER_API Result<std::shared_ptr<const ImageFrame>> buildImageFrame(
+    const StudySet&, const Series&, const Stack&, std::size_t slice,
+    std::optional<VoiWindow> autoWindow = {});
 
-// MetaImage (.mhd + raw, .mha), 1 channel. Offset and TransformMatrix are taken as LPS mm (ITK's convention).
+// MetaImage (.mhd + raw, .mha), 1 channel, 2 or 3 dimensions, all element types of 8, 16 and 32 bits and
+// MET_FLOAT, raw or compressed, either byte order. Offset and TransformMatrix are LPS mm by ITK's convention:
+// numbers 3a..3a+2 of TransformMatrix are the direction of axis a. Nothing says what the values mean: the
+// unit is "stored value". The data file must lie in or below the header's folder; sizes are checked against
+// it before memory is set aside.
 VERNIER_API Result<std::shared_ptr<const Volume>> readMetaImage(const std::string& path,
                                                                 const BuildOptions& = {});
 

@@ -30,6 +30,7 @@ class VERNIER_API Buffer {
   static constexpr std::size_t kSlack = 64;
   Buffer() = default;
   static Result<Buffer> make(std::size_t bytes);
+  void shrink(std::size_t bytes);  // bytes <= size(); gives whole pages back, keeps the slack
   Buffer(Buffer&&) noexcept;
   Buffer& operator=(Buffer&&) noexcept;
   ~Buffer();
@@ -81,6 +82,7 @@ struct OriginalVoxels {
   std::vector<ModalityRescale> rescale;  // one per slice
   std::optional<NoDataRange> noData;     // in stored values
   Buffer voxels;                         // same layout as the volume's
+  bool throughLut = false;               // rescale says nothing: modality values are the volume's own voxels
 };
 
 // What a statistics or probe needs of one voxel, from the original stored values.

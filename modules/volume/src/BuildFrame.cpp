@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "Percentile.h"
+#include "Range.h"
+#include "StackFacts.h"
+#include "VoxelAccess.h"
+#include "vernier/base/Guarded.h"
+#include "vernier/base/Threads.h"
+#include "vernier/base/Trace.h"
+#include "vernier/volume/Build.h"
+#include "vernier/volume/Voi.h"
+
+namespace vernier {
+namespace {
+
+constexpr std::size_t kSlicesForWindow = 32;
+
+struct Pixels {
+  VoxelType type = VoxelType::I16;
+  Buffer buffer;
+};
+
+// One slice in its own container (F64 as F32).
+Result<Pixels> decodeOne(const StudySet& set, SliceRef ref) {
+  const FrameSpec& spec = set.instances[ref.instance].pixels;
+  const auto bytes = spec.frameBytes();
+  if (!bytes) return bytes.error();
+  auto made = Buffer::make(static_cast<std::size_t>(*bytes));
+  if (!made) return made.error();
+  Pixels p{voxelTypeOf(spec.sample), std::move(made).value()};
+  if (Result<void> ok = decodeSlice(set, ref, p.buffer.bytes()); !ok) return ok.error();
+  if (spec.sample == SampleType::F64) {
+    const std::size_t n = p.buffer.size() / sizeof(double);
+    auto floats = Buffer::make(n * sizeof(float));
+    if (!floats) return floats.error();
+    const double* const from = reinterpret_cast<const double*>(p.buffer.data());
+    std::transform(from, from + n, reinterpret_cast<float*>(floats->data()),
+                   [](double x) { return static_cast<float>(x); });
+    p.buffer = std::move(floats).value();
+  }
+  cleanFloats(p.type, p.buffer.data(), p.buffer.size() / bytesOf(p.type));
+  return p;
+}
+
+// Each image has its own window where exposures differ from image to image; elsewhere a stack has one.
+bool windowPerImage(const Stack& stack, const std::string& modality) {
+  constexpr std::array<std::string_view, 5> kPerImage{"NM", "XA", "CR", "DX", "MG"};
+  return stack.shape == StackShape::NoGeometry ||
+         std::find(kPerImage.begin(), kPerImage.end(), modality) != kPerImage.end();
+}
+
+std::optional<FramePlane> planeOf(const Stack& stack, std::size_t slice, const Instance& i) {
+  if (i.pixels.framesDeclared <= 1 || stack.shape == StackShape::NoGeometry) return i.plane;
+  const GridGeometry& g = stack.grid;
+  const glm::dvec3 at = g.even() ? glm::dvec3(0, 0, static_cast<double>(slice)) : g.sliceOrigin_vox[slice];
+  const glm::dmat3& m = g.patientFromVoxel.linear;
+  return FramePlane{g.patientFromVoxel * VoxelPoint(at), normalize(PatientVec(m[0])),
+                    normalize(PatientVec(m[1]))};
+}
+
+// Percentiles of one frame's modality values; a modality LUT is applied first.
+std::optional<Volume::Range> percentilesOf(const ImageFrameInfo& i, const std::byte* data,
+                                           const std::optional<NoDataRange>& excluded) {
+  const std::size_t n = static_cast<std::size_t>(i.columns * i.rows);
+  if (!i.modalityLut) return percentiles1And99(i.type, {{data, n, i.rescale}}, excluded);
+  std::vector<float> values;
+  for (std::size_t p = 0; p < n; ++p) {
+    const double stored = storedAt(i.type, data, p);
+    if (!inRange(excluded, stored)) values.push_back(static_cast<float>(lookUp(*i.modalityLut, stored)));
+  }
+  const std::byte* const bytes = reinterpret_cast<const std::byte*>(values.data());
+  return percentiles1And99(VoxelType::F32, {{bytes, values.size(), {}}}, std::nullopt);
+}
+
+ImageFrameInfo describe(const Series& series, const Stack& stack, std::size_t slice, const Instance& i,
+                        const Instance& windowSource) {
+  ImageFrameInfo info;
+  info.columns = static_cast<std::int64_t>(i.pixels.columns);
+  info.rows = static_cast<std::int64_t>(i.pixels.rows);
+  info.unscaled = i.rescaleInvalid;
+  if (!info.unscaled) {
+    info.rescale = i.rescale;
+    if (i.modalityLut && !i.modalityLut->data.empty()) info.modalityLut = i.modalityLut;
+    info.windows = windowsOf(windowSource, info.findings);
+    info.voiLuts = windowSource.voiLuts;
+    if (!i.unit.empty()) info.unit = i.unit;
+  }
+  if (const auto padding = paddingOf(i); padding && !liesInTissueRange(i, *padding)) info.noData = padding;
+  info.inverted = isInverted(i);
+  info.modality = i.modality.empty() ? series.modality : i.modality;
+  info.plane = planeOf(stack, slice, i);
+  info.patientOrientation = i.patientOrientation;
+  info.pixelSpacing_mm = i.pixelSpacing_mm;
+  info.index = static_cast<std::int64_t>(slice);
+  info.count = static_cast<std::int64_t>(stack.slices.size());
+  info.title = series.description;
+  info.findings.insert(info.findings.begin(), stack.findings.begin(), stack.findings.end());
+  return info;
+}
+
+// The automatic window of a stack, from at most kSlicesForWindow slices spread over it.
+std::optional<VoiWindow> windowOfStack(const StudySet& set, const Stack& stack) {
+  const std::size_t n = stack.slices.size(), used = std::min(n, kSlicesForWindow);
+  std::vector<Result<Pixels>> decoded;
+  for (std::size_t k = 0; k < used; ++k) decoded.push_back(makeError(ErrorCode::Internal, ""));
+  const auto refOf = [&](std::size_t k) { return stack.slices[(2 * k + 1) * n / (2 * used)]; };
+  parallelFor(used, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      decoded[k] = guarded("automatic window", [&]() -> Result<Pixels> {
+        const Instance& i = set.instances[refOf(k).instance];
+        if (Result<void> ok = checkSingleSample(i); !ok) return ok.error();
+        return decodeOne(set, refOf(k));
+      });
+  });
+  std::vector<SliceValues> values;
+  const Instance* first = nullptr;
+  VoxelType type = VoxelType::I16;
+  for (std::size_t k = 0; k < used; ++k) {
+    if (!decoded[k]) continue;
+    const Instance& i = set.instances[refOf(k).instance];
+    if (i.modalityLut) return std::nullopt;
+    if (!first) first = &i, type = decoded[k]->type;
+    if (decoded[k]->type != type) continue;
+    values.push_back({decoded[k]->buffer.data(), decoded[k]->buffer.size() / bytesOf(type),
+                      i.rescaleInvalid ? ModalityRescale{} : i.rescale});
+  }
+  if (!first) return std::nullopt;
+  const auto range = percentiles1And99(type, values, paddingOf(*first));
+  if (!range) return std::nullopt;
+  return windowOver(range, leastWidth(type, values.front().rescale));
+}
+
+Result<std::shared_ptr<const ImageFrame>> build(const StudySet& set, const Series& series, const Stack& stack,
+                                                std::size_t slice, const std::optional<VoiWindow>& known) {
+  const TraceSpan span("build frame");
+  if (slice >= stack.slices.size())
+    return makeError(ErrorCode::OptionInvalid, "The stack has " + std::to_string(stack.slices.size()) +
+                                                   " images; number " + std::to_string(slice) +
+                                                   " is not one of them.");
+  for (const SliceRef& s : stack.slices)
+    if (s.instance >= set.instances.size())
+      return makeError(ErrorCode::Internal, "The stack names an object that is not in the study.");
+  const SliceRef ref = stack.slices[slice];
+  const Instance& i = set.instances[ref.instance];
+  if (Result<void> ok = checkSingleSample(i); !ok) return ok.error();
+  Result<Pixels> pixels = decodeOne(set, ref);
+  if (!pixels) return pixels.error();
+
+  const bool perImage = windowPerImage(stack, i.modality);
+  const Instance& middle = set.instances[stack.slices[stack.slices.size() / 2].instance];
+  ImageFrameInfo info = describe(series, stack, slice, i, perImage ? i : middle);
+  info.type = pixels->type;
+  if (known) {
+    info.autoWindow = *known;
+  } else {
+    std::optional<VoiWindow> window;
+    if (info.windows.empty() && info.voiLuts.empty() && !perImage) window = windowOfStack(set, stack);
+    const std::byte* const data = pixels->buffer.data();
+    auto range = percentilesOf(info, data, paddingOf(i));
+    if (!range) range = percentilesOf(info, data, info.noData);  // nothing but tissue-range padding
+    info.autoWindow = window.value_or(windowOver(range, leastWidth(info.type, info.rescale)));
+  }
+  return ImageFrame::make(std::move(info), std::move(pixels->buffer));
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const ImageFrame>> buildImageFrame(const StudySet& set, const Series& series,
+                                                          const Stack& stack, std::size_t slice,
+                                                          std::optional<VoiWindow> autoWindow) {
+  return guarded("buildImageFrame", [&] { return build(set, series, stack, slice, autoWindow); });
+}
+
+}  // namespace vernier

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Lossy compression blurs the padding around a CT's field of view, so that its voxels no longer equal the
+// padding value. No tissue and no air lies below -1024 HU; voxels below that which hang together with the
+// slice's border are padding.
+#pragma once
+#include <cstdint>
+
+#include "vernier/volume/Volume.h"
+
+namespace vernier {
+
+// Sets those voxels of one slice to `paddingValue` and returns how many were changed. The fill starts at the
+// slice's border and walks over 4 neighbours through voxels that are padding already or lie below
+// `threshold`, both in stored values.
+std::uint64_t markBlurredPadding(VoxelType, std::byte* slice, std::int64_t columns, std::int64_t rows,
+                                 const NoDataRange& padding, double threshold, double paddingValue);
+
+}  // namespace vernier
