@@ -27,10 +27,11 @@ class SliceReader {
   }
 
   Result<void> refuseShape(SliceRef ref, std::span<std::byte> out) {
-    return refuse(ref,
-                  makeError(ErrorCode::CodecMismatch,
-                            "The slice has other rows, columns or samples than its stack; show it on its own."),
-                  out);
+    return refuse(
+        ref,
+        makeError(ErrorCode::CodecMismatch,
+                  "The slice has other rows, columns or samples than its stack; show it on its own."),
+        out);
   }
 
  private:
@@ -64,7 +65,13 @@ class SliceReader {
     if (out.size() != wanted)
       return makeError(ErrorCode::Internal, "decodeSlice() was given a buffer of the wrong size.",
                        "decodeSlice");
-    if (same) return study::decodeFrame(*source_, index_, spec, ref.frame, out, scratch_);
+    if (same || study::sameSizeIntegers(spec.sample, *container)) {
+      if (auto r = study::decodeFrame(*source_, index_, spec, ref.frame, out, scratch_); !r) return r;
+      if (same || study::fitsSameSize(spec.sample, *container, out)) return {};
+      return makeError(
+          ErrorCode::CodecMismatch,
+          "The image has values that do not fit the container of its stack; show it on its own.");
+    }
     samples_.resize(*bytes);
     if (auto r = study::decodeFrame(*source_, index_, spec, ref.frame, samples_, scratch_); !r) return r;
     return study::convertSamples(spec.sample, samples_, *container, out);
@@ -131,7 +138,8 @@ struct StackWork {
 Result<FrameSpec> shapeOf(const StudySet& set, const Stack& stack, SampleType sample) {
   for (const SliceRef& ref : stack.slices)
     if (ref.instance >= set.instances.size())
-      return makeError(ErrorCode::Internal, "The stack names an object that is not in the study.", "decodeStack");
+      return makeError(ErrorCode::Internal, "The stack names an object that is not in the study.",
+                       "decodeStack");
   for (const SliceRef& ref : stack.slices) {
     if (set.instances[ref.instance].pixelError) continue;
     FrameSpec spec = set.instances[ref.instance].pixels;

@@ -25,7 +25,8 @@ struct Decoded {
 Result<FrameSpec> specOf(const std::filesystem::path& path) {
   DcmFileFormat file;
   OFLog::configure(OFLogger::OFF_LOG_LEVEL);
-  // Up to the pixels only: some files carry megabytes of zeros behind them, and a warning for every two bytes.
+  // Up to the pixels only: some files carry megabytes of zeros behind them, and a warning for every two
+  // bytes.
   const OFCondition read = file.loadFileUntilTag(path.c_str(), EXS_Unknown, EGL_noChange, DCM_MaxReadLength,
                                                  ERM_autoDetect, DCM_PixelData);
   if (read.bad()) return makeError(ErrorCode::NotDicom, read.text());

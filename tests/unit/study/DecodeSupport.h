@@ -34,7 +34,8 @@ class DicomWriter {
     out_.assign(128, std::byte{0});
     for (char c : {'D', 'I', 'C', 'M'}) out_.push_back(static_cast<std::byte>(c));
     // One meta element is enough for the decoder: (0002,0010), always explicit little endian.
-    for (int v : std::initializer_list<int>{2, 0, 0x10, 0, 'U', 'I', 2, 0, '1', 0}) out_.push_back(static_cast<std::byte>(v));
+    for (int v : std::initializer_list<int>{2, 0, 0x10, 0, 'U', 'I', 2, 0, '1', 0})
+      out_.push_back(static_cast<std::byte>(v));
   }
   DicomWriter& u16(unsigned v) {
     const std::byte lo{static_cast<unsigned char>(v & 0xFF)}, hi{static_cast<unsigned char>(v >> 8 & 0xFF)};

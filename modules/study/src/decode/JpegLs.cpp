@@ -3,15 +3,23 @@
 // which refuses some precisions (7 bits) that this one reads.
 #include <charls/charls.h>
 
+#include <algorithm>
+#include <array>
+
 #include "decode/Codecs.h"
 #include "decode/Samples.h"
 
 namespace vernier::study {
 
 Result<void> decodeJpegLs(ByteSpan frame, const FrameSpec& spec, std::span<std::byte> out, Scratch& scratch) {
+  // CharLS 2.4 counts through 2^31 bits that are not there when the data ends early, but stops at a marker: so every
+  // frame gets an end marker of its own. Behind the end of sound data nothing is read.
+  constexpr std::array<std::byte, 2> kEndOfImage{std::byte{0xFF}, std::byte{0xD9}};
+  std::vector<std::byte> ended(frame.size() + kEndOfImage.size());
+  std::ranges::copy(kEndOfImage, std::ranges::copy(frame, ended.begin()).out);
   try {
     charls::jpegls_decoder decoder;
-    decoder.source(frame.data(), frame.size());
+    decoder.source(ended.data(), ended.size());
     decoder.read_header();
     const charls::frame_info info = decoder.frame_info();
     const CodedImage coded{info.height, info.width, static_cast<std::uint64_t>(info.component_count),

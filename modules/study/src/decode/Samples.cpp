@@ -74,6 +74,15 @@ void maskTyped(const FrameSpec& spec, std::uint32_t lowBit, std::uint32_t bits, 
   maskAll<T>({static_cast<T>(lowBit), mask, sign, spec.isSigned}, out.data(), out.size() / sizeof(T));
 }
 
+template <class T>
+bool topBitsClear(std::span<const std::byte> samples) {
+  const std::byte* p = samples.data();
+  const std::size_t n = samples.size() / sizeof(T);
+  T any = 0;
+  for (std::size_t i = 0; i < n; ++i) any = static_cast<T>(any | load<T>(p + i * sizeof(T)));
+  return any >> (sizeof(T) * 8 - 1) == 0;
+}
+
 // true when every value survives the way there and back with its sign.
 template <class From, class To>
 bool convertAll(const std::byte* from, std::byte* to, std::size_t n) {
@@ -142,6 +151,25 @@ bool convertAny(SampleType fromType, SampleType toType, const std::byte* from, s
 }
 
 }  // namespace
+
+bool sameSizeIntegers(SampleType a, SampleType b) {
+  const auto isFloat = [](SampleType t) { return t == SampleType::F32 || t == SampleType::F64; };
+  return !isFloat(a) && !isFloat(b) && bytesOf(a) == bytesOf(b);
+}
+
+bool fitsSameSize(SampleType from, SampleType to, std::span<const std::byte> samples) {
+  VERNIER_ASSERT(sameSizeIntegers(from, to));
+  if (from == to) return true;
+  // One is signed and the other is not: numbers below the top bit are written alike in both.
+  switch (bytesOf(from)) {
+    case 1:
+      return topBitsClear<std::uint8_t>(samples);
+    case 2:
+      return topBitsClear<std::uint16_t>(samples);
+    default:
+      return topBitsClear<std::uint32_t>(samples);
+  }
+}
 
 void swapBytes(std::span<std::byte> data, std::uint64_t bytes) {
   if (data.empty()) return;

@@ -22,6 +22,10 @@ void interleave(std::span<const std::byte> planes, std::uint64_t samplesPerPixel
 // when spec.isSigned. Does not write to samples that are in order already. Floats stay as they are.
 void maskSamples(const FrameSpec& spec, std::uint32_t lowBit, std::uint32_t bits, std::span<std::byte> out);
 
+// Whether every sample means the same number in `to` as in `from`: two integer containers of the same size.
+bool fitsSameSize(SampleType from, SampleType to, std::span<const std::byte> samples);
+bool sameSizeIntegers(SampleType a, SampleType b);
+
 // Copies n samples into another container; CodecMismatch when a value does not fit exactly. `from` and `to`
 // may be the same memory when the containers have the same size.
 Result<void> convertSamples(SampleType fromType, std::span<const std::byte> from, SampleType toType,
