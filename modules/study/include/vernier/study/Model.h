@@ -41,9 +41,23 @@ struct FramePlane {
   PatientVec columnDirection;   // direction of increasing row index, unit
 };
 
+// One person name of an object, wherever it stands in it.
+struct NamedText {
+  std::string at;    // keyword path: "PatientName", "RequestedProcedureCodeSequence[0].PatientName"
+  std::string text;  // component groups divided by "="
+};
+
+// Objects with equal SOP Instance UIDs: one of those with the same decoded values and geometry is Kept, the others
+// are Repeated; those that differ are in Conflict: each can be viewed, none goes into a volume.
+enum class Identity { Unique, Kept, Repeated, Conflict };
+
 // One object of a file. Attribute text is UTF-8.
 struct Instance {
-  std::size_t file = 0;  // index into StudySet::files
+  std::size_t file = 0;    // index into StudySet::files
+  std::size_t series = 0;  // index into StudySet::series
+  Identity identity = Identity::Unique;
+  std::vector<NamedText> names;
+  std::uint64_t framesDeclared = 1;  // also of objects whose pixels cannot be shown
   std::string sopClassUid, sopClassName, sopInstanceUid, transferSyntaxUid;
   std::string modality;
   std::optional<std::int64_t> instanceNumber, acquisitionNumber, temporalPosition;
@@ -52,7 +66,8 @@ struct Instance {
   std::string notShown;         // why it is listed but not drawn ("kept, not shown: encapsulated PDF"); empty = drawn
   FrameSpec pixels;             // valid when isImage and pixelError is empty
   std::optional<Error> pixelError;   // why its pixels cannot be shown
-  std::optional<FramePlane> plane;   // absent: no geometry
+  std::optional<FramePlane> plane;   // absent: no geometry; directions made orthonormal
+  std::optional<FramePlane> filePlane;  // directions as the file has them, for places of single pixels
   glm::dvec2 pixelSpacing_mm{0, 0};  // row\column as in (0028,0030): x = distance between rows; 0 = absent
   double sliceThickness_mm = 0;
   ModalityRescale rescale;
@@ -76,6 +91,8 @@ struct SliceRef {
   std::uint64_t frame = 0;
 };
 
+// Uneven: GridGeometry::sliceOrigin_vox holds the true places, because of uneven steps or of gaps. NoGeometry: `grid`
+// is not valid, no lengths, no 3-D; positions_mm may be filled all the same (a bad pixel spacing, for instance).
 enum class StackShape { NoGeometry, Single, Uniform, Sheared, Uneven };
 
 struct Stack {
@@ -87,8 +104,10 @@ struct Stack {
   double step_mm = 0;              // median, along the normal
   double shear_deg = 0;
   double deviation_mm = 0;         // e: largest distance of an origin from the straight even line
+  double deviationAlongNormal_mm = 0;  // the part of it along the normal: uneven steps
   bool volume3d = false;           // passed 3-D validation: MPR, MIP and DVR are offered
   std::string why2d;               // else the reason, one sentence
+  bool orientationFixed = false;   // row and column direction were off orthonormal by 1e-4 to 1e-2
   std::vector<Finding> findings;
 };
 

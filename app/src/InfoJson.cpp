@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "InfoJson.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "PixelFacts.h"
+#include "vernier/base/Threads.h"
+
+namespace vernier {
+namespace {
+using Json = nlohmann::ordered_json;
+
+const char* nameOf(FileKind k) {
+  switch (k) {
+    case FileKind::Image:
+      return "image";
+    case FileKind::NonImage:
+      return "non-image";
+    case FileKind::DicomDir:
+      return "DICOMDIR";
+    case FileKind::NoSopClass:
+      return "no SOP class";
+    case FileKind::Unreadable:
+      return "unreadable";
+    case FileKind::NotDicom:
+      return "not DICOM";
+  }
+  return "";
+}
+const char* nameOf(Severity s) {
+  switch (s) {
+    case Severity::Info:
+      return "info";
+    case Severity::Notice:
+      return "notice";
+    case Severity::Warning:
+      return "warning";
+    case Severity::Refusal:
+      return "refusal";
+  }
+  return "";
+}
+const char* nameOf(StackShape s) {
+  switch (s) {
+    case StackShape::NoGeometry:
+      return "no geometry";
+    case StackShape::Single:
+      return "single";
+    case StackShape::Uniform:
+      return "uniform";
+    case StackShape::Sheared:
+      return "sheared";
+    case StackShape::Uneven:
+      return "uneven";
+  }
+  return "";
+}
+const char* nameOf(Identity i) {
+  switch (i) {
+    case Identity::Unique:
+      return "unique";
+    case Identity::Kept:
+      return "kept";
+    case Identity::Repeated:
+      return "repeated";
+    case Identity::Conflict:
+      return "conflict";
+  }
+  return "";
+}
+
+Json toJson(const glm::dvec3& v) { return Json::array({v.x, v.y, v.z}); }
+Json toJson(const FindingValue& v) {
+  return std::visit([](const auto& x) { return Json(x); }, v);
+}
+Json toJson(const Finding& f) {
+  Json j{{"code", f.code}, {"severity", nameOf(f.severity)}, {"sentence", f.sentence}};
+  for (const auto& [key, value] : f.numbers) j[key] = toJson(value);
+  return j;
+}
+Json toJson(const std::vector<Finding>& findings) {
+  Json list = Json::array();
+  for (const Finding& f : findings) list.push_back(toJson(f));
+  return list;
+}
+Json toJson(const Error& e) {
+  return {{"code", std::string(errorName(e.code))}, {"sentence", e.sentence}, {"where", e.where}};
+}
+
+Json rangeOf(const std::vector<double>& v) {
+  if (v.empty()) return nullptr;
+  return {{"min", *std::min_element(v.begin(), v.end())}, {"max", *std::max_element(v.begin(), v.end())}};
+}
+
+double medianOf(std::vector<double> v) {
+  std::sort(v.begin(), v.end());
+  const std::size_t n = v.size();
+  return n % 2 ? v[n / 2] : 0.5 * (v[n / 2 - 1] + v[n / 2]);
+}
+
+// Steps between neighbouring slices: along the normal, straight, and the angle between both.
+void addSteps(const StudySet& set, const Stack& s, Json& j) {
+  std::vector<double> along, straight, shear;
+  for (std::size_t k = 1; k < s.positions_mm.size(); ++k) {
+    along.push_back(s.positions_mm[k] - s.positions_mm[k - 1]);
+    const auto &a = set.instances[s.slices[k - 1].instance].plane,
+               &b = set.instances[s.slices[k].instance].plane;
+    straight.push_back(glm::length(b->origin.p - a->origin.p));
+    const double side =
+        std::sqrt(std::max(0.0, straight.back() * straight.back() - along.back() * along.back()));
+    shear.push_back(std::atan2(side, along.back()) * 180 / 3.14159265358979323846);
+  }
+  if (along.empty()) return;
+  j["step_mm"] = rangeOf(along);
+  j["step_mm"]["median"] = medianOf(along);
+  j["distance_between_origins_mm"] = rangeOf(straight);
+  j["distance_between_origins_mm"]["median"] = medianOf(straight);
+  j["shear_between_neighbours_deg"] = rangeOf(shear);
+}
+
+Json toJson(const StudySet& set, const Stack& s) {
+  const Instance& first = set.instances[s.slices.front().instance];
+  Json j{{"label", s.label}, {"shape", nameOf(s.shape)}, {"slices", s.slices.size()}};
+  j["rows"] = first.pixels.rows;
+  j["columns"] = first.pixels.columns;
+  j["pixel_spacing_row_col_mm"] = {first.pixelSpacing_mm.x, first.pixelSpacing_mm.y};
+  if (first.echoTime_ms) j["echo_time_ms"] = *first.echoTime_ms;
+  j["volume_3d"] = s.volume3d;
+  if (!s.why2d.empty()) j["why_2d"] = s.why2d;
+  Json files = Json::array();
+  for (const SliceRef& r : s.slices) files.push_back(set.files[set.instances[r.instance].file].shown);
+  j["order"] = std::move(files);
+  if (!s.positions_mm.empty()) {
+    j["positions_along_normal_mm"] = s.positions_mm;
+    addSteps(set, s, j);
+    j["shear_deg"] = s.shear_deg;
+    j["max_deviation_of_origins_mm"] = s.deviation_mm;
+    j["max_deviation_along_normal_mm"] = s.deviationAlongNormal_mm;
+    j["first_origin_lps_mm"] = toJson(first.plane->origin.p);
+    j["last_origin_lps_mm"] = toJson(set.instances[s.slices.back().instance].plane->origin.p);
+    j["row_direction_lps"] = toJson(first.plane->rowDirection.v);
+    j["column_direction_lps"] = toJson(first.plane->columnDirection.v);
+  }
+  if (s.shape != StackShape::NoGeometry) {
+    const glm::dmat4 m = s.grid.patientFromVoxel.matrix();
+    Json rows = Json::array();
+    for (int r = 0; r < 4; ++r) rows.push_back({m[0][r], m[1][r], m[2][r], m[3][r]});
+    j["patient_from_voxel"] = std::move(rows);
+    j["gap_after_slice"] = s.grid.gapAfter;
+    j["true_positions_kept"] = !s.grid.even();
+  }
+  j["orientation_fixed"] = s.orientationFixed;
+  j["findings"] = toJson(s.findings);
+  return j;
+}
+
+Json toJson(const StudySet& set, const Series& s) {
+  std::size_t images = 0, frames = 0;
+  Json files = Json::array();
+  for (const std::size_t i : s.instances) {
+    const Instance& o = set.instances[i];
+    images += o.isImage;
+    if (o.isImage) frames += o.framesDeclared;
+    files.push_back(set.files[o.file].shown);
+  }
+  Json j{{"series_uid", s.seriesUid}, {"study_uid", s.studyUid}, {"modality", s.modality}};
+  if (s.number) j["number"] = *s.number;
+  j["description"] = s.description;
+  j["objects"] = s.instances.size();
+  j["images"] = images;
+  j["frames"] = frames;
+  j["files"] = std::move(files);
+  j["stacks"] = Json::array();
+  for (const Stack& stack : s.stacks) j["stacks"].push_back(toJson(set, stack));
+  j["findings"] = toJson(s.findings);
+  return j;
+}
+
+// Enhanced objects, segmentations and doses have values of their own kind, which are not given as slope x
+// stored yet.
+bool modalityKnown(const Instance& i) { return i.notShown.empty() && !i.modalityLut && !i.rescaleInvalid; }
+
+Json pixelsJson(const StudySet& set, std::size_t n, const std::vector<PixelPlace>& places) {
+  const Instance& i = set.instances[n];
+  const auto facts = pixelFacts(set, n, places);
+  if (!facts) return {{"error", toJson(facts.error())}};
+  Json j{
+      {"stored_min", facts->storedMin}, {"stored_max", facts->storedMax}, {"stored_sum", facts->storedSum}};
+  if (!facts->sha256Int32le.empty()) j["stored_sha256_int32le"] = facts->sha256Int32le;
+  const auto modality = [&](double a, double b, const char* low, const char* high) {
+    const double x = i.rescale.slope * a + i.rescale.intercept, y = i.rescale.slope * b + i.rescale.intercept;
+    j[low] = std::min(x, y);
+    j[high] = std::max(x, y);
+  };
+  if (i.paddingFirst) j["padding_pixels"] = facts->paddingPixels;
+  if (modalityKnown(i)) {
+    modality(facts->storedMin, facts->storedMax, "modality_min", "modality_max");
+    if (facts->validMin)
+      modality(*facts->validMin, *facts->validMax, "modality_min_without_padding",
+               "modality_max_without_padding");
+  }
+  j["probes"] = Json::array();
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    Json probe{{"row", places[p].row}, {"column", places[p].column}, {"stored", facts->probes[p]}};
+    if (modalityKnown(i)) probe["modality"] = i.rescale.slope * facts->probes[p] + i.rescale.intercept;
+    if (i.filePlane && i.pixelSpacing_mm.x > 0)
+      probe["lps_mm"] =
+          toJson(i.filePlane->origin.p +
+                 i.filePlane->rowDirection.v * (static_cast<double>(places[p].column) * i.pixelSpacing_mm.y) +
+                 i.filePlane->columnDirection.v * (static_cast<double>(places[p].row) * i.pixelSpacing_mm.x));
+    j["probes"].push_back(std::move(probe));
+  }
+  return j;
+}
+
+Json objectJson(const StudySet& set, std::size_t n) {
+  const Instance& i = set.instances[n];
+  Json j{{"file", set.files[i.file].shown},
+         {"kind", nameOf(set.files[i.file].kind)},
+         {"sop_class_uid", i.sopClassUid},
+         {"sop_class_name", i.sopClassName},
+         {"sop_instance_uid", i.sopInstanceUid},
+         {"transfer_syntax_uid", i.transferSyntaxUid},
+         {"series_index", i.series},
+         {"identity", nameOf(i.identity)},
+         {"modality", i.modality}};
+  if (i.instanceNumber) j["instance_number"] = *i.instanceNumber;
+  j["names"] = Json::array();
+  for (const NamedText& t : i.names) j["names"].push_back({{"at", t.at}, {"text", t.text}});
+  if (!i.notShown.empty()) j["not_shown"] = i.notShown;
+  if (!i.isImage) return j;
+  j["frames"] = i.framesDeclared;
+  j["photometric"] = i.photometric;
+  if (i.pixelError) {
+    j["pixel_error"] = toJson(*i.pixelError);
+  } else {
+    j["rows"] = i.pixels.rows;
+    j["columns"] = i.pixels.columns;
+    j["samples_per_pixel"] = i.pixels.samplesPerPixel;
+    j["bits_allocated"] = i.pixels.bitsAllocated;
+    j["bits_stored"] = i.pixels.bitsStored;
+    j["signed"] = i.pixels.isSigned;
+  }
+  if (i.pixelSpacing_mm.x > 0) j["pixel_spacing_row_col_mm"] = {i.pixelSpacing_mm.x, i.pixelSpacing_mm.y};
+  if (i.plane) j["origin_lps_mm"] = toJson(i.plane->origin.p);
+  if (!i.frameOfReferenceUid.empty()) j["frame_of_reference_uid"] = i.frameOfReferenceUid;
+  if (!i.modalityLut) j["rescale"] = {i.rescale.slope, i.rescale.intercept};
+  j["modality_lut"] = i.modalityLut.has_value();
+  j["voi_luts"] = i.voiLuts.size();
+  j["unit"] = i.unit;
+  Json windows = Json::array();
+  for (const VoiWindow& w : i.windows)
+    windows.push_back({{"center", w.center}, {"width", w.width}, {"explanation", w.explanation}});
+  j["windows"] = std::move(windows);
+  if (i.paddingFirst) j["padding"] = {*i.paddingFirst, *i.paddingLast};
+  j["lossy"] = i.lossy;
+  return j;
+}
+
+Json objectsJson(const StudySet& set, const InfoOptions& options) {
+  std::vector<Json> objects(set.instances.size());
+  parallelFor(objects.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) {
+      objects[n] = objectJson(set, n);
+      const Instance& i = set.instances[n];
+      if (!options.pixels || !i.isImage) continue;
+      std::vector<PixelPlace> places;
+      for (const InfoProbe& p : options.probes)
+        if ((p.file.empty() || p.file == set.files[i.file].shown) && p.row < i.pixels.rows &&
+            p.column < i.pixels.columns)
+          places.push_back({p.row, p.column});
+      objects[n]["pixels"] = pixelsJson(set, n, places);
+    }
+  });
+  return Json(std::move(objects));
+}
+
+Json totalsJson(const StudySet& set) {
+  std::map<std::string, std::size_t> kinds;
+  for (const FileRecord& f : set.files) ++kinds[nameOf(f.kind)];
+  std::map<std::string, std::size_t> uids;
+  std::size_t images = 0, frames = 0, repeating = 0;
+  for (const Instance& i : set.instances) {
+    images += i.isImage;
+    if (i.isImage) frames += i.framesDeclared;
+    if (!i.sopInstanceUid.empty() && ++uids[i.sopInstanceUid] > 1) ++repeating;
+  }
+  return {{"files", set.files.size()},
+          {"files_by_kind", kinds},
+          {"patients", set.patients.size()},
+          {"studies", set.studies.size()},
+          {"series", set.series.size()},
+          {"objects", set.instances.size()},
+          {"images", images},
+          {"frames", frames},
+          {"distinct_sop_instance_uids", uids.size()},
+          {"files_repeating_a_sop_instance_uid", repeating}};
+}
+
+}  // namespace
+
+std::string infoJson(const StudySet& set, const InfoOptions& options) {
+  Json j{{"schema", "vernier-info/1"}, {"totals", totalsJson(set)}};
+  j["patients"] = Json::array();
+  for (const Patient& p : set.patients)
+    j["patients"].push_back({{"id", p.id},
+                             {"issuer", p.issuer},
+                             {"name", p.name},
+                             {"birth_date", p.birthDate},
+                             {"sex", p.sex},
+                             {"studies", p.studies}});
+  j["studies"] = Json::array();
+  for (const Study& s : set.studies)
+    j["studies"].push_back({{"study_uid", s.studyUid},
+                            {"date", s.date},
+                            {"time", s.time},
+                            {"description", s.description},
+                            {"accession", s.accession},
+                            {"series", s.series}});
+  j["series"] = Json::array();
+  for (const Series& s : set.series) j["series"].push_back(toJson(set, s));
+  j["findings"] = toJson(set.findings);
+  j["objects"] = objectsJson(set, options);
+  j["files"] = Json::array();
+  for (const FileRecord& f : set.files) {
+    Json file{{"file", f.shown}, {"bytes", f.bytes}, {"kind", nameOf(f.kind)}};
+    if (f.error) file["error"] = toJson(*f.error);
+    j["files"].push_back(std::move(file));
+  }
+  // File names may hold any byte; what is not UTF-8 shows as the replacement character.
+  return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace vernier

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What `vernier info` says of a study: JSON of schema "vernier-info/1" (docs/info.md) or a page of text.
+// Lengths mm, positions LPS, spacings row\column as in DICOM. Thread-safe.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "vernier/study/Load.h"
+
+namespace vernier {
+
+struct InfoProbe {
+  std::string file;  // as FileRecord::shown; empty = every image that has this pixel
+  std::uint64_t row = 0, column = 0;
+};
+struct InfoOptions {
+  bool pixels = false;  // decode every image: SHA-256 of stored values, extrema, sum
+  std::vector<InfoProbe> probes;
+};
+
+std::string infoJson(const StudySet&, const InfoOptions& = {});
+std::string infoText(const StudySet&);
+
+}  // namespace vernier

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Facts of the stored values of one object, from its decoded frames.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vernier/study/Load.h"
+
+namespace vernier {
+
+struct PixelFacts {
+  std::string sha256Int32le;  // of all frames, row by row, each value as little-endian int32; "" for floats
+  double storedMin = 0, storedMax = 0, storedSum = 0;
+  std::uint64_t paddingPixels = 0;
+  // Without padding; absent when all is padding.
+  std::optional<double> validMin, validMax;
+  std::vector<double> probes;  // stored values of frame 0 at the places asked for
+};
+struct PixelPlace {
+  std::uint64_t row = 0, column = 0;
+};
+// Decodes all frames of an image of one sample per pixel.
+Result<PixelFacts> pixelFacts(const StudySet&, std::size_t instance, const std::vector<PixelPlace>& probes);
+
+}  // namespace vernier

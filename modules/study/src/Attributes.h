@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Header -> Record: the attributes that the study model needs, checked one by one. Nothing here can fail:
+// what is missing or wrong is absent in the record, or stands in pixelError.
+#pragma once
+#include "Header.h"
+#include "Record.h"
+
+namespace vernier {
+
+Record recordFrom(const Header& header);
+
+// Decimal and integer strings (DS, IS) as PS3.5 6.2 defines them; a value that is none is nullopt.
+std::optional<double> parseDecimal(std::string_view);
+std::optional<std::int64_t> parseInteger(std::string_view);
+
+}  // namespace vernier

@@ -1,0 +1,396 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "Header.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+#include "vernier/study/Limits.h"
+
+namespace vernier {
+namespace {
+
+constexpr Tag kItem = 0xFFFEE000, kItemEnd = 0xFFFEE00D, kSequenceEnd = 0xFFFEE0DD;
+constexpr std::uint32_t kUndefined = 0xFFFFFFFF;
+constexpr bool isPixelTag(Tag t) { return t == 0x7FE00010 || t == 0x7FE00008 || t == 0x7FE00009; }
+
+constexpr std::string_view kShortVrs = "AEASATCSDADSDTFLFDISLOLTPNSHSLSSSTTMUIULUS";
+constexpr std::string_view kLongVrs = "OBODOFOLOVOWSQSVUCUNURUTUV";
+bool inList(std::string_view list, char a, char b) {
+  for (std::size_t i = 0; i + 1 < list.size(); i += 2)
+    if (list[i] == a && list[i + 1] == b) return true;
+  return false;
+}
+bool isUpper(char c) { return c >= 'A' && c <= 'Z'; }
+bool knownVr(char a, char b) { return inList(kShortVrs, a, b) || inList(kLongVrs, a, b); }
+
+std::uint16_t u16(const std::byte* p, bool big) {
+  const auto a = std::to_integer<std::uint16_t>(p[0]), b = std::to_integer<std::uint16_t>(p[1]);
+  return static_cast<std::uint16_t>(big ? a << 8 | b : b << 8 | a);
+}
+std::uint32_t u32(const std::byte* p, bool big) {
+  const std::uint32_t a = u16(p, big), b = u16(p + 2, big);
+  return big ? a << 16 | b : b << 16 | a;
+}
+
+// Tag, VR and length of one element; the value begins at `value`.
+struct Head {
+  Tag tag = 0;
+  char vr[2] = {' ', ' '};
+  std::uint32_t length = 0;
+  std::uint64_t value = 0;
+};
+
+// nullopt: the source ends inside the head.
+std::optional<Head> readHead(ByteSource& s, std::uint64_t at, Encoding e) {
+  if (!s.ensure(at + 8)) return std::nullopt;
+  const std::byte* p = s.bytes().data() + at;
+  Head h;
+  h.tag = static_cast<Tag>(u16(p, e.bigEndian)) << 16 | u16(p + 2, e.bigEndian);
+  h.value = at + 8;
+  const bool delimiter = h.tag >> 16 == 0xFFFE;
+  if (!e.explicitVr || delimiter) {
+    h.length = u32(p + 4, e.bigEndian);
+    return h;
+  }
+  h.vr[0] = static_cast<char>(p[4]);
+  h.vr[1] = static_cast<char>(p[5]);
+  // A VR that isn't known yet has the long form (PS3.5 7.1.2); one that isn't two letters is a writer's
+  // fault, and such writers use the short form.
+  const bool longForm = !inList(kShortVrs, h.vr[0], h.vr[1]) && isUpper(h.vr[0]) && isUpper(h.vr[1]);
+  if (!longForm) {
+    h.length = u16(p + 6, e.bigEndian);
+    return h;
+  }
+  if (!s.ensure(at + 12)) return std::nullopt;
+  h.length = u32(s.bytes().data() + at + 8, e.bigEndian);
+  h.value = at + 12;
+  return h;
+}
+
+Error damaged(std::string sentence) { return makeError(ErrorCode::FileDamaged, std::move(sentence)); }
+Error cutShort(Tag tag) {
+  return damaged("The file ends inside " + tagText(tag) + "; it was cut short, fetch it again.");
+}
+
+// What the content of a sequence is encoded in: UN of undefined length is implicit little endian
+// (PS3.5 6.2.2).
+Encoding contentEncoding(const Head& h, Encoding e) {
+  if (e.explicitVr && h.vr[0] == 'U' && h.vr[1] == 'N') return {false, false};
+  return e;
+}
+bool holdsFragments(const Head& h) { return h.vr[0] == 'O'; }  // OB, OW...: encapsulated frames
+
+struct Skipped {
+  std::uint64_t contentEnd = 0;  // where the closing delimiter stands
+  std::uint64_t next = 0;        // behind it
+};
+
+// From the first item of a sequence of undefined length to behind its delimiter: a loop over a counted stack
+// of levels.
+Result<Skipped> skipSequence(ByteSource& s, std::uint64_t at, const Head& sequence, Encoding outer) {
+  struct Level {
+    bool items;      // expects items; else the elements of one item
+    bool fragments;  // its items are plain bytes
+    Encoding encoding;
+  };
+  std::array<Level, 2 * limits::kMaxSequenceDepth + 2> level;
+  std::size_t depth = 1;
+  level[0] = {true, holdsFragments(sequence), contentEncoding(sequence, outer)};
+  while (true) {
+    const Level now = level[depth - 1];
+    const auto h = readHead(s, at, now.encoding);
+    if (!h) return cutShort(sequence.tag);
+    if (h->tag == kSequenceEnd) {
+      // Writers forget item delimiters; a sequence delimiter closes the item too.
+      while (depth > 0 && !level[depth - 1].items) --depth;
+      if (depth > 0) --depth;
+      if (depth == 0) return Skipped{at, h->value};
+      at = h->value;
+      continue;
+    }
+    if (h->tag == kItemEnd) {
+      if (!now.items) --depth;
+      at = h->value;
+      continue;
+    }
+    const bool opens = h->length == kUndefined;
+    if (!opens) {
+      if (h->length > s.limit() - std::min(s.limit(), h->value)) return cutShort(h->tag);
+      at = h->value + h->length;
+      continue;
+    }
+    if (now.items && (h->tag != kItem || now.fragments))
+      return damaged("A sequence in " + tagText(sequence.tag) +
+                     " holds something that is no item; the file is damaged.");
+    if (depth >= level.size() || depth >= 2 * static_cast<std::size_t>(limits::kMaxSequenceDepth))
+      return makeError(ErrorCode::LimitExceeded,
+                       "Sequences are nested deeper than " + std::to_string(limits::kMaxSequenceDepth) +
+                           " levels, which no real object is; the file is refused.");
+    level[depth++] = now.items ? Level{false, false, now.encoding}
+                               : Level{true, holdsFragments(*h), contentEncoding(*h, now.encoding)};
+    at = h->value;
+  }
+}
+
+Encoding declaredEncoding(const std::string& uid) {
+  if (uid == "1.2.840.10008.1.2") return {false, false};
+  if (uid == "1.2.840.10008.1.2.2") return {true, true};
+  return {true, false};
+}
+
+// The encoding that the element at `at` is written in, from its own bytes.
+std::optional<Encoding> seenEncoding(ByteSource& s, std::uint64_t at) {
+  if (!s.ensure(at + 8)) return std::nullopt;
+  const std::byte* p = s.bytes().data() + at;
+  const bool isExplicit = knownVr(static_cast<char>(p[4]), static_cast<char>(p[5]));
+  const bool big = p[0] == std::byte{0} && p[1] != std::byte{0} && p[1] < std::byte{0x80};
+  return Encoding{isExplicit, isExplicit && big};
+}
+
+// Without the "DICM" mark: do three elements in ascending order follow, from group 2 or 8 on?
+bool plausibleStart(ByteSource& s) {
+  const auto e = seenEncoding(s, 0);
+  if (!e) return false;
+  std::uint64_t at = 0;
+  Tag last = 0;
+  for (int n = 0; n < 3; ++n) {
+    const auto h = readHead(s, at, *e);
+    if (!h || (n > 0 && h->tag <= last)) return false;
+    const Tag group = h->tag >> 16;
+    if (n == 0 && (group != 8 && !(group == 2 && e->explicitVr))) return false;
+    if (n == 0 && (h->tag & 0xFFFF) > 0x0100) return false;
+    if (group > 0x0028 || (e->explicitVr && !knownVr(h->vr[0], h->vr[1]))) return false;
+    if (h->length > 1024 || h->value + h->length > s.limit()) return false;
+    last = h->tag;
+    at = h->value + h->length;
+  }
+  return true;
+}
+
+// The file meta information: explicit little endian whatever follows; its group length is not trusted.
+std::uint64_t readMeta(ByteSource& s, std::uint64_t at, Header& out) {
+  while (true) {
+    const auto h = readHead(s, at, {true, false});
+    if (!h || h->tag >> 16 != 2) return at;
+    if (!s.ensure(h->value + h->length)) return at;
+    Element e;
+    e.tag = h->tag;
+    e.vr[0] = h->vr[0];
+    e.vr[1] = h->vr[1];
+    e.offset = h->value;
+    e.length = h->length;
+    out.meta.push_back(e);
+    if (e.tag == 0x00020010) {
+      const auto v = s.bytes().subspan(e.offset, e.length);
+      std::string_view text(reinterpret_cast<const char*>(v.data()), v.size());
+      while (!text.empty() && (text.back() == ' ' || text.back() == '\0')) text.remove_suffix(1);
+      out.transferSyntaxUid = std::string(text);
+    }
+    at = h->value + h->length;
+  }
+}
+
+bool onlyZeros(ByteSource& s, std::uint64_t at) {
+  const auto rest = s.bytes().subspan(std::min<std::uint64_t>(at, s.bytes().size()));
+  return std::all_of(rest.begin(), rest.end(), [](std::byte b) { return b == std::byte{0}; });
+}
+
+// The data set from `at` to the pixel data or the end.
+void readDataset(ByteSource& s, std::uint64_t at, Header& out) {
+  while (true) {
+    const auto h = readHead(s, at, out.encoding);
+    if (!h) {
+      if (s.failure())
+        out.damage = s.failure();
+      else if (s.bytes().size() > at && !onlyZeros(s, at))
+        out.damage = damaged("The file ends inside an element; it was cut short, fetch it again.");
+      return;
+    }
+    if (h->tag >> 16 == 0xFFFE) {
+      out.strayDelimiters = true;
+      at = h->value;
+      continue;
+    }
+    if (h->tag == 0 && h->length == 0 && onlyZeros(s, at)) return;  // padding behind the last element
+    Element e;
+    e.tag = h->tag;
+    e.vr[0] = h->vr[0];
+    e.vr[1] = h->vr[1];
+    e.offset = h->value;
+    e.encoding = contentEncoding(*h, out.encoding);
+    e.undefinedLength = h->length == kUndefined;
+    if (isPixelTag(e.tag)) {
+      PixelElement p{e, e.undefinedLength, 0};
+      if (!p.encapsulated) {
+        p.element.length = h->length;
+        // Of a file we know its size without reading on; what is deflated must be counted by inflating it.
+        const bool all = h->value + h->length <= s.limit() &&
+                         (s.limit() != limits::kMaxInflatedBytes || s.ensure(h->value + h->length));
+        const std::uint64_t end = s.limit() != limits::kMaxInflatedBytes ? s.limit() : s.bytes().size();
+        p.bytesThere = all ? h->length : end - std::min(end, h->value);
+      }
+      out.pixels = p;
+      return;
+    }
+    if (e.undefinedLength) {
+      const auto skipped = skipSequence(s, h->value, *h, out.encoding);
+      if (!skipped) {
+        out.damage = s.failure() ? s.failure() : skipped.error();
+        return;
+      }
+      e.length = skipped->contentEnd - e.offset;
+      at = skipped->next;
+    } else {
+      if (h->length > s.limit() - std::min(s.limit(), h->value)) {
+        out.damage = cutShort(e.tag);
+        out.damage->sentence = "Element " + tagText(e.tag) + " declares " + std::to_string(h->length) +
+                               " bytes, but the file holds " +
+                               std::to_string(s.limit() - std::min(s.limit(), h->value)) +
+                               " more; it was cut short or damaged, fetch it again.";
+        return;
+      }
+      if (h->length > limits::kMaxNonPixelElementBytes) {
+        out.damage = makeError(ErrorCode::LimitExceeded,
+                               "Element " + tagText(e.tag) + " is larger than the limit of " +
+                                   std::to_string(limits::kMaxNonPixelElementBytes >> 20) +
+                                   " MiB; the file is refused.");
+        return;
+      }
+      if (!s.ensure(h->value + h->length)) {
+        out.damage = s.failure() ? *s.failure() : cutShort(e.tag);
+        return;
+      }
+      e.length = h->length;
+      at = h->value + h->length;
+    }
+    out.elements.push_back(e);
+  }
+}
+
+}  // namespace
+
+Result<Header> readHeader(ByteSource& source) {
+  Header out;
+  std::uint64_t at = 0;
+  if (source.ensure(132)) {
+    const auto mark = source.bytes().subspan(128, 4);
+    out.part10 = mark[0] == std::byte{'D'} && mark[1] == std::byte{'I'} && mark[2] == std::byte{'C'} &&
+                 mark[3] == std::byte{'M'};
+  }
+  if (source.limit() == 0) return makeError(ErrorCode::NotDicom, "The file is empty.");
+  if (out.part10)
+    at = 132;
+  else if (!plausibleStart(source))
+    return makeError(ErrorCode::NotDicom,
+                     "This is not a DICOM file: it has neither the DICM mark nor a start that "
+                     "reads as DICOM; leave it out.");
+  out.elements.reserve(96);
+  at = readMeta(source, at, out);
+  std::unique_ptr<ByteSource> inflated;
+  ByteSource* s = &source;
+  if (out.transferSyntaxUid == "1.2.840.10008.1.2.1.99") {
+    // Offsets in `meta` point into the file, which is not kept: the transfer syntax is all that is needed of
+    // it.
+    out.meta.clear();
+    inflated = inflateSource(source, at);
+    s = inflated.get();
+    at = 0;
+  }
+  out.encoding = declaredEncoding(out.transferSyntaxUid);
+  if (const auto seen = seenEncoding(*s, at)) {
+    const bool differs =
+        seen->explicitVr != out.encoding.explicitVr || seen->bigEndian != out.encoding.bigEndian;
+    // A stray delimiter in front has no VR and says nothing about the encoding.
+    const bool delimiter = s->bytes()[at] == std::byte{0xFE} && s->bytes()[at + 1] == std::byte{0xFF};
+    if (differs && !delimiter) {
+      out.contradictsSyntax = !out.transferSyntaxUid.empty();
+      out.encoding = *seen;
+    }
+  } else if (out.part10) {
+    out.damage = s->failure()
+                     ? *s->failure()
+                     : damaged("The file ends behind its file meta information; it holds no object.");
+  }
+  if (!out.damage) readDataset(*s, at, out);
+  out.bytes = s->take();
+  return out;
+}
+
+const Element* findIn(const std::vector<Element>& item, Tag tag) {
+  for (const Element& e : item)
+    if (e.tag == tag) return &e;
+  return nullptr;
+}
+const Element* Header::find(Tag tag) const { return findIn(elements, tag); }
+
+namespace {
+// The elements of one item, to `end` or its delimiter; returns where reading stopped.
+std::uint64_t readItem(ByteSource& s, std::uint64_t at, std::uint64_t end, Encoding e,
+                       std::vector<Element>& out) {
+  while (at + 8 <= end) {
+    const auto h = readHead(s, at, e);
+    if (!h) return end;
+    if (h->tag == kItemEnd) return h->value;
+    if (h->tag == kSequenceEnd) return at;
+    Element el;
+    el.tag = h->tag;
+    el.vr[0] = h->vr[0];
+    el.vr[1] = h->vr[1];
+    el.offset = h->value;
+    el.encoding = contentEncoding(*h, e);
+    el.undefinedLength = h->length == kUndefined;
+    if (el.undefinedLength) {
+      const auto skipped = skipSequence(s, h->value, *h, e);
+      if (!skipped) return end;
+      el.length = skipped->contentEnd - el.offset;
+      at = skipped->next;
+    } else {
+      if (h->length > end - std::min(end, h->value)) return end;
+      el.length = h->length;
+      at = h->value + h->length;
+    }
+    out.push_back(el);
+  }
+  return end;
+}
+}  // namespace
+
+std::vector<std::vector<Element>> itemsOf(const Header& header, const Element& sequence) {
+  std::vector<std::vector<Element>> items;
+  const auto source = memorySource(header.bytes);
+  ByteSource& s = *source;
+  const std::uint64_t end = sequence.offset + sequence.length;
+  std::uint64_t at = sequence.offset;
+  while (at + 8 <= end) {
+    const auto h = readHead(s, at, sequence.encoding);
+    if (!h || h->tag != kItem) break;
+    const bool open = h->length == kUndefined;
+    if (!open && h->length > end - h->value) break;
+    items.emplace_back();
+    const std::uint64_t stop =
+        readItem(s, h->value, open ? end : h->value + h->length, sequence.encoding, items.back());
+    at = open ? stop : h->value + h->length;
+  }
+  return items;
+}
+
+std::optional<std::uint16_t> word(const Header& h, const Element& e, std::size_t n) {
+  if (e.length < 2 * (n + 1)) return std::nullopt;
+  return u16(h.bytes.data() + e.offset + 2 * n, e.encoding.bigEndian);
+}
+
+std::string_view rawText(const Header& h, const Element& e) {
+  std::string_view t(reinterpret_cast<const char*>(h.bytes.data() + e.offset), e.length);
+  while (!t.empty() && (t.back() == ' ' || t.back() == '\0')) t.remove_suffix(1);
+  while (!t.empty() && t.front() == ' ') t.remove_prefix(1);
+  return t;
+}
+
+std::string tagText(Tag t) {
+  char text[16];
+  std::snprintf(text, sizeof text, "(%04X,%04X)", t >> 16, t & 0xFFFF);
+  return text;
+}
+
+}  // namespace vernier

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the scan knows of one object: the Instance of the public model and what grouping and splitting look
+// at. The stages behind the scan are pure functions over records, so their tests need no files.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vernier/study/Model.h"
+
+namespace vernier {
+
+// Image Orientation as it stands in the file, and how far it is from orthonormal: the largest of | |row| - 1
+// |, | |column| - 1 | and | row . column |.
+struct RawPlane {
+  glm::dvec3 position{0}, row{0}, column{0};
+  double offOrthonormal = 0;
+};
+
+struct Record {
+  Instance instance;
+  bool imageClass = false;  // of an image storage class, with or without pixel data
+  std::optional<RawPlane> rawPlane;
+  std::string patientId, issuer, patientName, birthDate, sex;
+  std::string studyUid, studyDate, studyTime, studyDescription, accession;
+  std::string seriesUid, seriesDescription;
+  std::optional<std::int64_t> seriesNumber;
+
+  // Attributes that a series is split by (docs/studies.md); text as in the file, "" when absent.
+  std::string kernel, kvp, echoNumbers, stackId, segmentNumber, rescaleType, units;
+  std::optional<double> bValue_s_mm2;
+  std::optional<glm::dvec3> diffusionDirection;
+  // ... only when positions coincide without them.
+  std::string acquisitionNumber, contrastAgent, triggerTime, cardiacPhase, acquisitionTime, contentTime;
+
+  // For findings.
+  std::vector<double> windowCenters, windowWidths;  // as in the file, valid or not
+  std::vector<double> badWindowCenters, badWindowWidths;
+  bool part10 = true;
+  bool textDamaged = false;      // undecodable bytes in some text
+  bool pixelSpacingBad = false;  // present, but 0, negative, not a number or out of 1e-4..1e3 mm
+  bool contradictsSyntax = false;
+  bool strayDelimiters = false;
+  std::string lossyTag;  // (0028,2110)
+};
+
+}  // namespace vernier
