@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a picture says about itself, from the scene's layer and the data behind it: letters from the displayed
+// directions, "MPR axial 12/28", "MIP 10 mm", "coarse in z", missing slices, "bridged", gantry tilt, the
+// window, the scale. The caller adds the error line (errorLine) to `status`, as its first line.
+//
+// "coarse in z" stands where slices at least kCoarseStep_mm apart are interpolated across: every view that is
+// not parallel to them, and slabs. Slice numbers count from 1 here, as people do.
+#pragma once
+#include "vernier/picture/Annotate.h"
+
+namespace vernier {
+
+inline constexpr double kCoarseStep_mm = 4.0;
+
+// `window` is the one in use.
+VERNIER_API Annotations describeSlice(const SliceLayer&, const SlicePicture&, const VolumeInfo&,
+                                      const VoiWindow& window);
+VERNIER_API Annotations describeImage(const ImageLayer&, const ImagePicture&, const ImageFrameInfo&,
+                                      const VoiWindow& window);
+
+// "error <= 0.31 of 255 (99 %)", rounded up to two digits; amber when the bound is above the limit.
+VERNIER_API TextLine errorLine(double bound, int confidence_percent, std::optional<double> limit = {});
+
+}  // namespace vernier

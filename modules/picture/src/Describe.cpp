@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "vernier/picture/Describe.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "Millimetres.h"
+#include "vernier/plan/Presets.h"
+
+namespace vernier {
+namespace {
+
+TextLine plain(std::string text, std::string shortText = {}) {
+  return {std::move(text), std::move(shortText), Tone::Normal};
+}
+
+// "axial" for the patient's own planes, "" for others.
+std::string planeName(PatientVec normal) {
+  const char* names[] = {"sagittal", "coronal", "axial"};
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(normal.v[k]) >= 1 - 1e-9) return names[k];
+  return "";
+}
+
+// "12/28" when the plane goes through the centres of a voxel slice's place on the view's line, else "".
+std::string sliceNumber(const GridGeometry& grid, const SlicePicture& picture, PatientPoint point) {
+  const SliceAxis axis = sliceAxis(grid, picture.normal);
+  std::int64_t nearest = 0;
+  double closest_mm = -1;
+  for (std::int64_t k = 0; k < axis.count; ++k) {
+    const double d = std::abs(dot(slicePoint(grid, picture.normal, k) - point, picture.normal));
+    if (closest_mm < 0 || d < closest_mm) closest_mm = d, nearest = k;
+  }
+  if (closest_mm < 0 || closest_mm > 1e-3) return "";
+  return std::to_string(nearest + 1) + "/" + std::to_string(axis.count);
+}
+
+std::string slabName(const Slab& slab) {
+  const char* names[] = {"MIP", "minIP", "mean"};
+  return std::string(names[static_cast<int>(slab.mode)]) + " " + millimetres(slab.thickness_mm);
+}
+
+glm::dvec3 stackNormal(const GridGeometry& grid) {
+  const glm::dmat3& m = grid.patientFromVoxel.linear;
+  return glm::normalize(glm::cross(m[0], m[1]));
+}
+
+// What of the acquisition changes what is seen.
+void describeStack(const VolumeInfo& info, const SliceLayer& layer, const SlicePicture& picture,
+                   Annotations& out) {
+  const GridGeometry& grid = info.grid;
+  const glm::dvec3 normal = stackNormal(grid);
+  const glm::dvec3 along = glm::normalize(grid.patientFromVoxel.linear[2]);
+  const auto position_mm = [&](std::int64_t slice) {
+    return glm::dot(
+        normal,
+        (grid.patientFromVoxel * VoxelPoint(grid.sliceOrigin_vox[static_cast<std::size_t>(slice)])).p);
+  };
+  if (!info.bridged)
+    for (std::int64_t s : grid.gapAfter) {
+      const double a = position_mm(s), b = position_mm(s + 1);
+      out.what.push_back(plain("slice missing at " + fixedDigits(std::min(a, b), 1) + ".." +
+                                   fixedDigits(std::max(a, b), 1) + " mm",
+                               "slice missing"));
+    }
+  if (info.bridged) out.what.push_back(plain("bridged"));
+  const double tilt_deg =
+      std::acos(std::min(1.0, std::abs(glm::dot(normal, along)))) * 180 / std::numbers::pi;
+  if (tilt_deg >= 0.1)
+    out.what.push_back(plain("gantry tilt " + fixedDigits(tilt_deg, 1) + " deg",
+                             "tilt " + fixedDigits(tilt_deg, 1) + " deg"));
+  const bool across = std::abs(glm::dot(picture.normal.v, normal)) < 0.9999 || layer.slab.thickness_mm > 0;
+  if (across && grid.slices > 1 && grid.spacing_mm().z >= kCoarseStep_mm)
+    out.what.push_back(plain("coarse in z"));
+  if (!grid.even() && grid.gapAfter.empty()) out.what.push_back(plain("uneven slices"));
+}
+
+TextLine windowLine(const VoiWindow& w, const std::string& unit, bool inverted) {
+  const std::string both = "C " + plainNumber(w.center, 5) + " W " + plainNumber(w.width, 5);
+  const std::string suffix = inverted ? ", inverted" : "";
+  return plain(both + (unit.empty() || unit == "stored value" ? "" : " " + unit) + suffix,
+               both + (inverted ? " inv" : ""));
+}
+
+// To two digits, never below: what is printed must hold.
+double roundedUp(double x) {
+  if (!(x > 0) || !std::isfinite(x)) return x;
+  const double unit = std::pow(10.0, std::floor(std::log10(x)) - 1);
+  return std::ceil(x / unit - 1e-9) * unit;
+}
+
+}  // namespace
+
+Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, const VolumeInfo& info,
+                          const VoiWindow& window) {
+  Annotations out;
+  out.letters = edgeLetters(picture);
+  out.mmPerPixel = picture.mmPerPixel;
+  std::string what = layer.slab.thickness_mm > 0 ? slabName(layer.slab) : "MPR";
+  const std::string method = what;
+  if (const std::string name = planeName(picture.normal); !name.empty()) {
+    const std::string number = sliceNumber(info.grid, picture, layer.plane.point);
+    what += " " + name + (number.empty() ? "" : " " + number);
+  }
+  out.what.push_back(plain(what, method));
+  describeStack(info, layer, picture, out);
+  if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
+  out.status.push_back(windowLine(window, info.unit, layer.invert));
+  return out;
+}
+
+Annotations describeImage(const ImageLayer& layer, const ImagePicture& picture, const ImageFrameInfo& info,
+                          const VoiWindow& window) {
+  Annotations out;
+  out.letters = edgeLetters(layer, info);
+  out.flipped = layer.flipHorizontal || layer.flipVertical;
+  out.mmPerPixel = picture.mmPerPixel;
+  out.what.push_back(plain(std::to_string(info.index + 1) + "/" + std::to_string(info.count)));
+  if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
+  const auto chosen = layer.voiLut ? static_cast<std::size_t>(*layer.voiLut) : info.voiLuts.size();
+  if (chosen < info.voiLuts.size()) {
+    const std::string& name = info.voiLuts[chosen].explanation;
+    out.status.push_back(plain("LUT " + (name.empty() ? std::to_string(chosen + 1) : name), "LUT"));
+  } else {
+    out.status.push_back(windowLine(window, info.unit, layer.invert));
+  }
+  return out;
+}
+
+TextLine errorLine(double bound, int confidence_percent, std::optional<double> limit) {
+  const std::string number = plainNumber(roundedUp(bound), 2);
+  return {"error <= " + number + " of 255 (" + std::to_string(confidence_percent) + " %)",
+          "<= " + number + "/255", limit && bound > *limit ? Tone::Amber : Tone::Normal};
+}
+
+}  // namespace vernier

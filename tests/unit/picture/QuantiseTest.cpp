@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "vernier/picture/Quantise.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "vernier/base/Threads.h"
+
+namespace vernier {
+namespace {
+
+TEST(Quantise, RoundsToTheNearestLevelAndClamps) {
+  for (int level = 0; level <= 255; ++level) {
+    EXPECT_EQ(quantise(static_cast<float>(level / 255.0)), level);
+    EXPECT_EQ(quantise(static_cast<float>((level + 0.499) / 255.0)), level);
+    EXPECT_EQ(quantise(static_cast<float>((level - 0.499) / 255.0)), level);
+  }
+  EXPECT_EQ(quantise(-1.0f), 0);
+  EXPECT_EQ(quantise(-0.0f), 0);
+  EXPECT_EQ(quantise(2.0f), 255);
+  EXPECT_EQ(quantise(std::numeric_limits<float>::infinity()), 255);
+  EXPECT_EQ(quantise(-std::numeric_limits<float>::infinity()), 0);
+  EXPECT_EQ(quantise(0.5f), 128) << "exactly half a level goes up";
+}
+
+TEST(Quantise, NotANumberShowsTheMarker) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  Images images;
+  images.allocate(4, 1, false);
+  images.colour = {nan, 0, 0, 1, 0, nan, 0, 1, 0, 0, nan, 1, 0.2f, 0.4f, 0.6f, nan};
+  const Picture p = quantise(images);
+  ASSERT_EQ(p.channels, 3);
+  for (int x = 0; x < 3; ++x) EXPECT_EQ((Rgb8{p.at(x, 0)[0], p.at(x, 0)[1], p.at(x, 0)[2]}), kMarker) << x;
+  EXPECT_EQ((Rgb8{p.at(3, 0)[0], p.at(3, 0)[1], p.at(3, 0)[2]}), (Rgb8{51, 102, 153}))
+      << "alpha is not stored";
+}
+
+TEST(Quantise, LargePicturesAreTheSameForAnyThreads) {
+  Images images;
+  images.allocate(700, 501, false);
+  for (std::size_t i = 0; i < images.colour.size(); ++i)
+    images.colour[i] = static_cast<float>(i % 997) / 996.0f;
+  setThreads(1);
+  const Picture one = quantise(images);
+  setThreads(3);
+  const Picture three = quantise(images);
+  setThreads(0);
+  EXPECT_EQ(one, three);
+  for (int y : {0, 250, 500})
+    for (int x : {0, 13, 699}) {
+      const std::size_t i = 4 * (static_cast<std::size_t>(y) * 700 + static_cast<std::size_t>(x));
+      EXPECT_EQ(one.at(x, y)[1], quantise(images.colour[i + 1]));
+    }
+}
+
+}  // namespace
+}  // namespace vernier
