@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Attributes follow PS3.3 A.3 (CT), A.4 (MR), A.8.1 (Secondary Capture): every Type 1 and 2 attribute of the mandatory
+// modules, dates and times fixed.
+#include "DicomFile.h"
+
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dctk.h>
+#include <dcmtk/dcmdata/dcostrmf.h>
+#include <dcmtk/dcmdata/dcpixel.h>
+#include <dcmtk/dcmdata/dcpixseq.h>
+#include <dcmtk/dcmdata/dcpxitem.h>
+#include <dcmtk/dcmdata/dcwcache.h>
+
+#include <cctype>
+#include <stdexcept>
+
+#include "Encode.h"
+#include "Sample.h"
+
+namespace vernier::phantoms {
+namespace {
+
+void check(const OFCondition& condition, const char* what) {
+  if (condition.bad()) throw std::runtime_error(std::string(what) + ": " + condition.text());
+}
+
+struct Data {
+  DcmItem& item;
+  void text(const DcmTagKey& tag, const std::string& value) const {
+    check(item.putAndInsertString(tag, value.c_str()), "attribute");
+  }
+  void number(const DcmTagKey& tag, int value) const {
+    check(item.putAndInsertUint16(tag, static_cast<Uint16>(value)), "attribute");
+  }
+};
+
+std::string vectorDs(glm::dvec3 v) { return dsOf(v.x) + "\\" + dsOf(v.y) + "\\" + dsOf(v.z); }
+
+// The patient letter of a direction's largest component.
+const char* letterOf(glm::dvec3 v) {
+  const glm::dvec3 a = glm::abs(v);
+  if (a.x >= a.y && a.x >= a.z) return v.x > 0.0 ? "L" : "R";
+  if (a.y >= a.z) return v.y > 0.0 ? "P" : "A";
+  return v.z > 0.0 ? "H" : "F";
+}
+
+const char* classOf(Storage s) {
+  switch (s) {
+    case Storage::Ct: return UID_CTImageStorage;
+    case Storage::Mr: return UID_MRImageStorage;
+    case Storage::SecondaryCapture: return UID_SecondaryCaptureImageStorage;
+  }
+  return "";
+}
+
+void putPatientAndStudy(const Data& d, const StudyPlan& study) {
+  std::string id = "VERNIER-" + study.name;
+  for (char& c : id) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  d.text(DCM_PatientName, "Phantom^" + study.title);
+  d.text(DCM_PatientID, id);
+  d.text(DCM_PatientBirthDate, "");
+  d.text(DCM_PatientSex, "O");
+  d.text(DCM_StudyInstanceUID, study.studyUid);
+  d.text(DCM_StudyDate, "20260101");
+  d.text(DCM_StudyTime, "120000");
+  d.text(DCM_ReferringPhysicianName, "");
+  d.text(DCM_StudyID, "1");
+  d.text(DCM_AccessionNumber, "");
+  d.text(DCM_StudyDescription, "Vernier phantom " + study.name);
+}
+
+void putSeries(const Data& d, const StudyPlan& study, const SeriesPlan& series) {
+  const bool secondary = series.storage == Storage::SecondaryCapture;
+  d.text(DCM_Modality, series.storage == Storage::Mr ? "MR" : series.storage == Storage::Ct ? "CT" : "OT");
+  d.text(DCM_SeriesInstanceUID, series.seriesUid);
+  d.text(DCM_SeriesNumber, std::to_string(series.number));
+  d.text(DCM_SeriesDescription, series.description);
+  d.text(DCM_SeriesDate, "20260101");
+  d.text(DCM_SeriesTime, "120000");
+  d.text(DCM_PatientPosition, "HFS");
+  d.text(DCM_FrameOfReferenceUID, study.frameOfReferenceUid);
+  d.text(DCM_PositionReferenceIndicator, "");
+  d.text(DCM_Manufacturer, "Vernier phantoms");
+  d.text(DCM_ManufacturerModelName, "datasets-synthetic");
+  if (secondary) d.text(DCM_ConversionType, "SYN");
+  d.text(DCM_BodyPartExamined, study.bodyPart);
+}
+
+void putAcquisition(const Data& d, const SeriesPlan& series) {
+  if (series.storage == Storage::Ct) {
+    d.text(DCM_KVP, "120");
+    d.text(DCM_AcquisitionNumber, "1");
+  } else if (series.storage == Storage::Mr) {
+    d.text(DCM_ScanningSequence, "GR");
+    d.text(DCM_SequenceVariant, "SP");
+    d.text(DCM_ScanOptions, "");
+    d.text(DCM_MRAcquisitionType, "3D");
+    d.text(DCM_RepetitionTime, "25");
+    d.text(DCM_EchoTime, "3.5");
+    d.text(DCM_EchoTrainLength, "1");
+  }
+}
+
+void putImage(const Data& d, const SeriesPlan& series, const SlicePlan& slice) {
+  const bool lossy = !series.lossyMethod.empty();
+  d.text(DCM_SOPClassUID, classOf(series.storage));
+  d.text(DCM_SOPInstanceUID, slice.sopUid);
+  d.text(DCM_ImageType, std::string(lossy ? "DERIVED" : "ORIGINAL") + "\\PRIMARY\\" +
+                            (series.storage == Storage::Mr ? "OTHER" : "AXIAL"));
+  if (lossy) d.text(DCM_DerivationDescription, "Lossy compression");
+  d.text(DCM_InstanceNumber, std::to_string(slice.instanceNumber));
+  d.text(DCM_ContentDate, "20260101");
+  d.text(DCM_ContentTime, "120000");
+  d.text(DCM_AcquisitionDate, "20260101");
+  d.text(DCM_AcquisitionTime, "120000");
+  d.text(DCM_BurnedInAnnotation, "NO");
+  d.text(DCM_ImagePositionPatient, vectorDs(slice.origin_mm));
+  d.text(DCM_ImageOrientationPatient, vectorDs(slice.rowDirection) + "\\" + vectorDs(slice.columnDirection));
+  d.text(DCM_PatientOrientation, std::string(letterOf(slice.rowDirection)) + "\\" + letterOf(slice.columnDirection));
+  d.text(DCM_PixelSpacing, dsOf(series.rowSpacing_mm) + "\\" + dsOf(series.columnSpacing_mm));
+  d.text(DCM_SliceThickness, dsOf(series.thickness_mm));
+}
+
+void putPixelDescription(const Data& d, const SeriesPlan& series) {
+  d.number(DCM_SamplesPerPixel, 1);
+  d.text(DCM_PhotometricInterpretation, "MONOCHROME2");
+  d.number(DCM_Rows, static_cast<int>(series.rows));
+  d.number(DCM_Columns, static_cast<int>(series.columns));
+  d.number(DCM_BitsAllocated, series.bitsAllocated);
+  d.number(DCM_BitsStored, series.bitsStored);
+  d.number(DCM_HighBit, series.bitsStored - 1);
+  d.number(DCM_PixelRepresentation, series.isSigned ? 1 : 0);
+  if (series.padding) {
+    if (series.isSigned)
+      check(d.item.putAndInsertSint16(DCM_PixelPaddingValue, static_cast<Sint16>(*series.padding)), "padding");
+    else d.number(DCM_PixelPaddingValue, *series.padding);
+  }
+  if (series.storage != Storage::Mr) {
+    d.text(DCM_RescaleIntercept, dsOf(series.intercept));
+    d.text(DCM_RescaleSlope, dsOf(series.slope));
+    d.text(DCM_RescaleType, "HU");
+  }
+}
+
+void putWindows(const Data& d, const SlicePlan& slice) {
+  if (slice.windows.empty()) return;
+  std::string centers, widths, names;
+  for (const Window& w : slice.windows) {
+    const char* separator = centers.empty() ? "" : "\\";
+    centers += separator + w.center;
+    widths += separator + w.width;
+    names += separator + w.explanation;
+  }
+  d.text(DCM_WindowCenter, centers);
+  d.text(DCM_WindowWidth, widths);
+  d.text(DCM_WindowCenterWidthExplanation, names);
+  if (!slice.windowFunction.empty()) d.text(DCM_VOILUTFunction, slice.windowFunction);
+}
+
+void putPlainPixels(DcmItem& item, const SeriesPlan& series, const std::vector<std::int32_t>& stored) {
+  if (series.bitsAllocated == 8) {
+    std::vector<Uint8> narrow(stored.size());
+    for (std::size_t n = 0; n < stored.size(); ++n) narrow[n] = static_cast<Uint8>(stored[n]);
+    check(item.putAndInsertUint8Array(DCM_PixelData, narrow.data(), static_cast<unsigned long>(narrow.size())),
+          "pixels");
+    return;
+  }
+  const std::uint32_t mask = (1u << series.bitsStored) - 1;
+  std::vector<Uint16> wide(stored.size());
+  for (std::size_t n = 0; n < stored.size(); ++n)
+    wide[n] = static_cast<Uint16>(static_cast<std::uint32_t>(stored[n]) & mask);
+  check(item.putAndInsertUint16Array(DCM_PixelData, wide.data(), static_cast<unsigned long>(wide.size())), "pixels");
+}
+
+void putEncodedPixels(const Data& d, const SeriesPlan& series, E_TransferSyntax xfer,
+                      const std::vector<std::int32_t>& stored) {
+  std::vector<std::uint8_t> bytes = encodeFrame(series, stored);
+  if (!series.lossyMethod.empty()) {
+    d.text(DCM_LossyImageCompression, "01");
+    const double ratio = static_cast<double>(stored.size()) * series.bitsAllocated / 8.0 /
+                         static_cast<double>(bytes.size());
+    d.text(DCM_LossyImageCompressionRatio, dsOf(static_cast<double>(static_cast<int>(ratio * 100.0)) / 100.0));
+    d.text(DCM_LossyImageCompressionMethod, series.lossyMethod);
+  }
+  auto* sequence = new DcmPixelSequence(DCM_PixelSequenceTag);
+  auto* offsets = new DcmPixelItem(DCM_PixelItemTag);
+  sequence->insert(offsets);
+  DcmOffsetList list;
+  check(sequence->storeCompressedFrame(list, bytes.data(), static_cast<Uint32>(bytes.size()), 0), "fragment");
+  check(offsets->createOffsetTable(list), "offset table");
+  auto* pixels = new DcmPixelData(DCM_PixelData);
+  pixels->putOriginalRepresentation(xfer, nullptr, sequence);  // owns the sequence from here
+  check(d.item.insert(pixels, true), "pixels");
+}
+
+void putMeta(DcmMetaInfo& meta, const SeriesPlan& series, const SlicePlan& slice) {
+  const Data d{meta};
+  const Uint8 version[2] = {0, 1};
+  check(meta.putAndInsertUint8Array(DCM_FileMetaInformationVersion, version, 2), "meta header");
+  d.text(DCM_MediaStorageSOPClassUID, classOf(series.storage));
+  d.text(DCM_MediaStorageSOPInstanceUID, slice.sopUid);
+  d.text(DCM_TransferSyntaxUID, series.transferSyntaxUid);
+  // Ours, whatever library wrote the file: the bytes stay the same when the library moves on.
+  d.text(DCM_ImplementationClassUID, uidOf("vernier", 1, "implementation"));
+  d.text(DCM_ImplementationVersionName, "VERNIER_PHANTOM1");
+  d.item.putAndInsertUint32(DCM_FileMetaInformationGroupLength, 0);
+  check(meta.computeGroupLengthAndPadding(EGL_withGL, EPD_noChange, EXS_LittleEndianExplicit, EET_ExplicitLength),
+        "meta header");
+}
+
+// As DcmFileFormat::saveFile, which would put its own version into the meta header, or warn that it did not.
+OFCondition save(DcmFileFormat& format, E_TransferSyntax xfer, const std::filesystem::path& file) {
+  DcmOutputFileStream stream(OFFilename(file.c_str()));
+  DcmMetaInfo& meta = *format.getMetaInfo();
+  DcmDataset& dataset = *format.getDataset();
+  meta.transferInit();
+  OFCondition done = meta.write(stream, EXS_LittleEndianExplicit, EET_ExplicitLength, nullptr);
+  meta.transferEnd();
+  if (done.bad()) return done;
+  DcmWriteCache cache;
+  dataset.transferInit();
+  done = dataset.write(stream, xfer, EET_UndefinedLength, &cache, EGL_withoutGL, EPD_noChange);
+  dataset.transferEnd();
+  if (done.bad()) return done;
+  stream.flush();
+  return stream.status();
+}
+
+}  // namespace
+
+Result<void> writeDicom(const StudyPlan& study, const SeriesPlan& series, const SlicePlan& slice,
+                        const std::vector<std::int32_t>& stored, const std::filesystem::path& file) {
+  DcmFileFormat format;
+  DcmDataset& dataset = *format.getDataset();
+  const Data d{dataset};
+  const E_TransferSyntax xfer = DcmXfer(series.transferSyntaxUid.c_str()).getXfer();
+  putPatientAndStudy(d, study);
+  putSeries(d, study, series);
+  putAcquisition(d, series);
+  putImage(d, series, slice);
+  putPixelDescription(d, series);
+  putWindows(d, slice);
+  if (isEncapsulated(series.transferSyntaxUid)) putEncodedPixels(d, series, xfer, stored);
+  else putPlainPixels(dataset, series, stored);
+  putMeta(*format.getMetaInfo(), series, slice);
+
+  const OFCondition saved = save(format, xfer, file);
+  if (saved.bad()) {
+    return makeError(ErrorCode::WriteFailed,
+                     std::string("The file cannot be written (") + saved.text() + "); check the folder and the disk.",
+                     file.filename().string());
+  }
+  return {};
+}
+
+}  // namespace vernier::phantoms

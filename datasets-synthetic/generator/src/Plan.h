@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From a recipe with its settings applied to the list of files to write: pure, no pixels, no DICOM.
+#pragma once
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "Field.h"
+#include "vernier/base/Result.h"
+
+namespace vernier::phantoms {
+
+enum class Storage { Ct, Mr, SecondaryCapture };
+
+struct Window {
+  std::string center, width, explanation;  // as written (DS), valid or not
+};
+
+struct SlicePlan {
+  glm::dvec3 origin_mm{0}, rowDirection{1, 0, 0}, columnDirection{0, 1, 0};  // as the file's DS say, to the last digit
+  std::int64_t noiseKey = 0;  // slices with the same key and place have the same noise
+  int instanceNumber = 1;
+  std::string sopUid, fileName;
+  double valueOffset = 0;  // modality units; tells two objects of one place apart
+  std::vector<Window> windows;
+  std::string windowFunction;
+};
+
+struct SeriesPlan {
+  std::string description, seriesUid;
+  int number = 1;
+  Storage storage = Storage::Ct;
+  std::int64_t columns = 0, rows = 0;
+  double columnSpacing_mm = 1, rowSpacing_mm = 1;  // between neighbouring columns; between neighbouring rows
+  double step_mm = 1, thickness_mm = 1;
+  int bitsAllocated = 16, bitsStored = 16;
+  bool isSigned = true;
+  double slope = 1, intercept = 0;
+  std::optional<int> padding;
+  double fieldOfView_mm = 0;  // with padding: pixels farther than this from the image's centre are padding
+  std::string transferSyntaxUid = "1.2.840.10008.1.2.1";
+  int quality = 0;             // lossy JPEG; or the allowed error of JPEG-LS near-lossless
+  std::string lossyMethod;     // empty: lossless
+  double storedBound = 0;      // largest difference of a decoded stored value from the uncompressed one
+  std::vector<SlicePlan> slices;
+};
+
+struct StudyPlan {
+  std::string name, title, bodyPart, studyUid, frameOfReferenceUid;
+  std::uint64_t seed = 0;
+  std::vector<SeriesPlan> series;
+  Json findings = Json::array();  // what a loader should say, with numbers
+};
+
+// "2.25." and a 128-bit number made of name, seed and role (PS3.5 B.2).
+std::string uidOf(const std::string& name, std::uint64_t seed, const std::string& role);
+
+// A double as DICOM's DS (at most 16 characters), and the number that a reader gets back.
+std::string dsOf(double);
+double dsRounded(double);
+
+// Checks the settings and writes them into a copy of the recipe. `variant` names them: it goes into the UIDs.
+Result<Json> applySettings(Json recipe, const std::map<std::string, std::string>& settings, std::string& variant);
+StudyPlan makeStudyPlan(const Json& recipe, const std::string& variant);
+std::uint64_t seedOf(const Json& recipe);
+
+}  // namespace vernier::phantoms
