@@ -52,7 +52,9 @@ Json measure(const Json& m, const std::vector<Solid>& solids) {
     out["unit"] = "mm2";
   } else if (kind == "volume") {
     const Solid& s = named(solids, m["of"].get<std::string>());
-    const double factor = s.shape == Shape::Box ? 8.0 : s.shape == Shape::Cylinder ? 2.0 * kPi : 4.0 / 3.0 * kPi;
+    const double factor = s.shape == Shape::Box        ? 8.0
+                          : s.shape == Shape::Cylinder ? 2.0 * kPi
+                                                       : 4.0 / 3.0 * kPi;
     out["value"] = twelveDigits(factor * s.size_mm.x * s.size_mm.y * s.size_mm.z);
     out["unit"] = "mm3";
   } else {
@@ -64,7 +66,8 @@ Json measure(const Json& m, const std::vector<Solid>& solids) {
 // The voxel of a series whose centre is nearest to a point, with its exact stored value.
 Json probe(const Json& p, const StudyPlan& study, const SeriesPlan& series, const Field& field,
            const std::vector<Solid>& solids) {
-  const glm::dvec3 wanted = p.contains("of") ? named(solids, p["of"].get<std::string>()).centre_mm : vecOf(p["at_mm"]);
+  const glm::dvec3 wanted =
+      p.contains("of") ? named(solids, p["of"].get<std::string>()).centre_mm : vecOf(p["at_mm"]);
   const SlicePlan* best = nullptr;
   double bestDistance = std::numeric_limits<double>::max();
   for (const SlicePlan& s : series.slices) {
@@ -82,7 +85,8 @@ Json probe(const Json& p, const StudyPlan& study, const SeriesPlan& series, cons
   };
   const std::int64_t i = index(glm::dot(q, best->rowDirection), series.columnSpacing_mm, series.columns);
   const std::int64_t j = index(glm::dot(q, best->columnDirection), series.rowSpacing_mm, series.rows);
-  const glm::dvec3 centre = best->origin_mm + static_cast<double>(i) * series.columnSpacing_mm * best->rowDirection +
+  const glm::dvec3 centre = best->origin_mm +
+                            static_cast<double>(i) * series.columnSpacing_mm * best->rowDirection +
                             static_cast<double>(j) * series.rowSpacing_mm * best->columnDirection;
   const std::vector<std::int32_t> stored = sampleSlice(field, series, *best, study.seed);
   const std::int32_t value = stored[static_cast<std::size_t>(j * series.columns + i)];
@@ -116,10 +120,13 @@ Json describe(const StudyPlan& study, const SeriesPlan& s, const Json& recipe, c
     high = std::max(high, sums[k].high);
   }
   Json probes = Json::array();
-  for (const Json& p : recipe.value("probes", Json::array())) probes.push_back(probe(p, study, s, field, solids));
+  for (const Json& p : recipe.value("probes", Json::array()))
+    probes.push_back(probe(p, study, s, field, solids));
   return {{"series_uid", s.seriesUid},
           {"description", s.description},
-          {"modality", s.storage == Storage::Mr ? "MR" : s.storage == Storage::Ct ? "CT" : "OT"},
+          {"modality", s.storage == Storage::Mr   ? "MR"
+                       : s.storage == Storage::Ct ? "CT"
+                                                  : "OT"},
           {"transfer_syntax", s.transferSyntaxUid},
           {"lossy", !s.lossyMethod.empty()},
           {"stored_bound", s.storedBound},

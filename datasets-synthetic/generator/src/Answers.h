@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is true of a phantom, as JSON: geometry, sums of stored values, probes, lengths, angles, areas, volumes,
-// findings. Lengths and the like are closed forms of the recipe's solids, never measured on pixels.
+// What is true of a phantom, as JSON: geometry, sums of stored values, probes, lengths, angles, areas,
+// volumes, findings. Lengths and the like are closed forms of the recipe's solids, never measured on pixels.
 #pragma once
 #include <vector>
 

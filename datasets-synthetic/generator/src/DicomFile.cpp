@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Attributes follow PS3.3 A.3 (CT), A.4 (MR), A.8.1 (Secondary Capture): every Type 1 and 2 attribute of the mandatory
-// modules, dates and times fixed.
+// Attributes follow PS3.3 A.3 (CT), A.4 (MR), A.8.1 (Secondary Capture): every Type 1 and 2 attribute of the
+// mandatory modules, dates and times fixed.
 #include "DicomFile.h"
 
 #include <dcmtk/config/osconfig.h>
-#include <dcmtk/dcmdata/dctk.h>
 #include <dcmtk/dcmdata/dcostrmf.h>
 #include <dcmtk/dcmdata/dcpixel.h>
 #include <dcmtk/dcmdata/dcpixseq.h>
 #include <dcmtk/dcmdata/dcpxitem.h>
+#include <dcmtk/dcmdata/dctk.h>
 #include <dcmtk/dcmdata/dcwcache.h>
 
 #include <cctype>
@@ -46,9 +46,12 @@ const char* letterOf(glm::dvec3 v) {
 
 const char* classOf(Storage s) {
   switch (s) {
-    case Storage::Ct: return UID_CTImageStorage;
-    case Storage::Mr: return UID_MRImageStorage;
-    case Storage::SecondaryCapture: return UID_SecondaryCaptureImageStorage;
+    case Storage::Ct:
+      return UID_CTImageStorage;
+    case Storage::Mr:
+      return UID_MRImageStorage;
+    case Storage::SecondaryCapture:
+      return UID_SecondaryCaptureImageStorage;
   }
   return "";
 }
@@ -116,7 +119,8 @@ void putImage(const Data& d, const SeriesPlan& series, const SlicePlan& slice) {
   d.text(DCM_BurnedInAnnotation, "NO");
   d.text(DCM_ImagePositionPatient, vectorDs(slice.origin_mm));
   d.text(DCM_ImageOrientationPatient, vectorDs(slice.rowDirection) + "\\" + vectorDs(slice.columnDirection));
-  d.text(DCM_PatientOrientation, std::string(letterOf(slice.rowDirection)) + "\\" + letterOf(slice.columnDirection));
+  d.text(DCM_PatientOrientation,
+         std::string(letterOf(slice.rowDirection)) + "\\" + letterOf(slice.columnDirection));
   d.text(DCM_PixelSpacing, dsOf(series.rowSpacing_mm) + "\\" + dsOf(series.columnSpacing_mm));
   d.text(DCM_SliceThickness, dsOf(series.thickness_mm));
 }
@@ -132,8 +136,10 @@ void putPixelDescription(const Data& d, const SeriesPlan& series) {
   d.number(DCM_PixelRepresentation, series.isSigned ? 1 : 0);
   if (series.padding) {
     if (series.isSigned)
-      check(d.item.putAndInsertSint16(DCM_PixelPaddingValue, static_cast<Sint16>(*series.padding)), "padding");
-    else d.number(DCM_PixelPaddingValue, *series.padding);
+      check(d.item.putAndInsertSint16(DCM_PixelPaddingValue, static_cast<Sint16>(*series.padding)),
+            "padding");
+    else
+      d.number(DCM_PixelPaddingValue, *series.padding);
   }
   if (series.storage != Storage::Mr) {
     d.text(DCM_RescaleIntercept, dsOf(series.intercept));
@@ -161,15 +167,17 @@ void putPlainPixels(DcmItem& item, const SeriesPlan& series, const std::vector<s
   if (series.bitsAllocated == 8) {
     std::vector<Uint8> narrow(stored.size());
     for (std::size_t n = 0; n < stored.size(); ++n) narrow[n] = static_cast<Uint8>(stored[n]);
-    check(item.putAndInsertUint8Array(DCM_PixelData, narrow.data(), static_cast<unsigned long>(narrow.size())),
-          "pixels");
+    check(
+        item.putAndInsertUint8Array(DCM_PixelData, narrow.data(), static_cast<unsigned long>(narrow.size())),
+        "pixels");
     return;
   }
   const std::uint32_t mask = (1u << series.bitsStored) - 1;
   std::vector<Uint16> wide(stored.size());
   for (std::size_t n = 0; n < stored.size(); ++n)
     wide[n] = static_cast<Uint16>(static_cast<std::uint32_t>(stored[n]) & mask);
-  check(item.putAndInsertUint16Array(DCM_PixelData, wide.data(), static_cast<unsigned long>(wide.size())), "pixels");
+  check(item.putAndInsertUint16Array(DCM_PixelData, wide.data(), static_cast<unsigned long>(wide.size())),
+        "pixels");
 }
 
 void putEncodedPixels(const Data& d, const SeriesPlan& series, E_TransferSyntax xfer,
@@ -177,9 +185,10 @@ void putEncodedPixels(const Data& d, const SeriesPlan& series, E_TransferSyntax 
   std::vector<std::uint8_t> bytes = encodeFrame(series, stored);
   if (!series.lossyMethod.empty()) {
     d.text(DCM_LossyImageCompression, "01");
-    const double ratio = static_cast<double>(stored.size()) * series.bitsAllocated / 8.0 /
-                         static_cast<double>(bytes.size());
-    d.text(DCM_LossyImageCompressionRatio, dsOf(static_cast<double>(static_cast<int>(ratio * 100.0)) / 100.0));
+    const double ratio =
+        static_cast<double>(stored.size()) * series.bitsAllocated / 8.0 / static_cast<double>(bytes.size());
+    d.text(DCM_LossyImageCompressionRatio,
+           dsOf(static_cast<double>(static_cast<int>(ratio * 100.0)) / 100.0));
     d.text(DCM_LossyImageCompressionMethod, series.lossyMethod);
   }
   auto* sequence = new DcmPixelSequence(DCM_PixelSequenceTag);
@@ -204,7 +213,8 @@ void putMeta(DcmMetaInfo& meta, const SeriesPlan& series, const SlicePlan& slice
   d.text(DCM_ImplementationClassUID, uidOf("vernier", 1, "implementation"));
   d.text(DCM_ImplementationVersionName, "VERNIER_PHANTOM1");
   d.item.putAndInsertUint32(DCM_FileMetaInformationGroupLength, 0);
-  check(meta.computeGroupLengthAndPadding(EGL_withGL, EPD_noChange, EXS_LittleEndianExplicit, EET_ExplicitLength),
+  check(meta.computeGroupLengthAndPadding(EGL_withGL, EPD_noChange, EXS_LittleEndianExplicit,
+                                          EET_ExplicitLength),
         "meta header");
 }
 
@@ -240,15 +250,18 @@ Result<void> writeDicom(const StudyPlan& study, const SeriesPlan& series, const 
   putImage(d, series, slice);
   putPixelDescription(d, series);
   putWindows(d, slice);
-  if (isEncapsulated(series.transferSyntaxUid)) putEncodedPixels(d, series, xfer, stored);
-  else putPlainPixels(dataset, series, stored);
+  if (isEncapsulated(series.transferSyntaxUid))
+    putEncodedPixels(d, series, xfer, stored);
+  else
+    putPlainPixels(dataset, series, stored);
   putMeta(*format.getMetaInfo(), series, slice);
 
   const OFCondition saved = save(format, xfer, file);
   if (saved.bad()) {
-    return makeError(ErrorCode::WriteFailed,
-                     std::string("The file cannot be written (") + saved.text() + "); check the folder and the disk.",
-                     file.filename().string());
+    return makeError(
+        ErrorCode::WriteFailed,
+        std::string("The file cannot be written (") + saved.text() + "); check the folder and the disk.",
+        file.filename().string());
   }
   return {};
 }

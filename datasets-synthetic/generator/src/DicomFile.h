@@ -10,7 +10,7 @@
 
 namespace vernier::phantoms {
 
-Result<void> writeDicom(const StudyPlan&, const SeriesPlan&, const SlicePlan&, const std::vector<std::int32_t>& stored,
-                        const std::filesystem::path& file);
+Result<void> writeDicom(const StudyPlan&, const SeriesPlan&, const SlicePlan&,
+                        const std::vector<std::int32_t>& stored, const std::filesystem::path& file);
 
 }  // namespace vernier::phantoms

@@ -50,8 +50,7 @@ void packRow(const std::uint8_t* p, std::size_t n, Bytes& out) {
       continue;
     }
     std::size_t literal = 1;
-    while (i + literal < n && literal < 128 &&
-           (i + literal + 1 >= n || p[i + literal] != p[i + literal + 1]))
+    while (i + literal < n && literal < 128 && (i + literal + 1 >= n || p[i + literal] != p[i + literal + 1]))
       ++literal;
     out.push_back(static_cast<std::uint8_t>(literal - 1));
     out.insert(out.end(), p + i, p + i + literal);
@@ -63,7 +62,8 @@ Bytes encodeRle(const SeriesPlan& s, const std::vector<std::uint16_t>& v) {
   const int segments = s.bitsAllocated / 8;  // most significant byte first
   Bytes out(64, 0);
   const auto put32 = [&out](std::size_t at, std::uint32_t x) {
-    for (int n = 0; n < 4; ++n) out[at + static_cast<std::size_t>(n)] = static_cast<std::uint8_t>(x >> (8 * n));
+    for (int n = 0; n < 4; ++n)
+      out[at + static_cast<std::size_t>(n)] = static_cast<std::uint8_t>(x >> (8 * n));
   };
   put32(0, static_cast<std::uint32_t>(segments));
   const auto columns = static_cast<std::size_t>(s.columns);
@@ -72,7 +72,8 @@ Bytes encodeRle(const SeriesPlan& s, const std::vector<std::uint16_t>& v) {
     put32(4 + 4 * static_cast<std::size_t>(segment), static_cast<std::uint32_t>(out.size()));
     const int shift = 8 * (segments - 1 - segment);
     for (std::size_t j = 0; j < static_cast<std::size_t>(s.rows); ++j) {
-      for (std::size_t i = 0; i < columns; ++i) row[i] = static_cast<std::uint8_t>(v[j * columns + i] >> shift);
+      for (std::size_t i = 0; i < columns; ++i)
+        row[i] = static_cast<std::uint8_t>(v[j * columns + i] >> shift);
       packRow(row.data(), columns, out);
     }
     if (out.size() % 2) out.push_back(0);
@@ -93,7 +94,8 @@ Bytes encodeJpeg(const SeriesPlan& s, std::vector<std::uint16_t> v) {
   Uint32 length = 0;
   if (s.transferSyntaxUid == kJpegBaseline) {
     Bytes narrow(v.size());
-    std::transform(v.begin(), v.end(), narrow.begin(), [](std::uint16_t x) { return static_cast<std::uint8_t>(x); });
+    std::transform(v.begin(), v.end(), narrow.begin(),
+                   [](std::uint16_t x) { return static_cast<std::uint8_t>(x); });
     DJCompressIJG8Bit encoder(parameter, EJM_baseline, static_cast<Uint8>(s.quality));
     const OFCondition done = encoder.encode(columns, rows, EPI_Monochrome2, 1, narrow.data(), to, length);
     return taken(done, to, length);
@@ -117,7 +119,8 @@ Bytes encodeJpeg(const SeriesPlan& s, std::vector<std::uint16_t> v) {
 
 Bytes encodeJpegLs(const SeriesPlan& s, const std::vector<std::uint16_t>& v) {
   charls::jpegls_encoder encoder;
-  encoder.frame_info({static_cast<std::uint32_t>(s.columns), static_cast<std::uint32_t>(s.rows), s.bitsStored, 1});
+  encoder.frame_info(
+      {static_cast<std::uint32_t>(s.columns), static_cast<std::uint32_t>(s.rows), s.bitsStored, 1});
   encoder.near_lossless(s.transferSyntaxUid == kJpegLsNear ? s.quality : 0);
   Bytes out(encoder.estimated_destination_size() + 1024);
   encoder.destination(out);
@@ -154,10 +157,10 @@ Bytes encodeJpeg2000(const SeriesPlan& s, const std::vector<std::uint16_t>& v) {
   parameters.tcp_rates[0] = 0;  // lossless
   parameters.irreversible = 0;
   while ((1 << (parameters.numresolution - 1)) > std::min(s.columns, s.rows)) --parameters.numresolution;
-  const std::unique_ptr<opj_codec_t, void (*)(opj_codec_t*)> codec(opj_create_compress(OPJ_CODEC_J2K),
-                                                                   [](opj_codec_t* c) { opj_destroy_codec(c); });
-  const std::unique_ptr<opj_stream_t, void (*)(opj_stream_t*)> stream(opj_stream_default_create(OPJ_FALSE),
-                                                                      [](opj_stream_t* t) { opj_stream_destroy(t); });
+  const std::unique_ptr<opj_codec_t, void (*)(opj_codec_t*)> codec(
+      opj_create_compress(OPJ_CODEC_J2K), [](opj_codec_t* c) { opj_destroy_codec(c); });
+  const std::unique_ptr<opj_stream_t, void (*)(opj_stream_t*)> stream(
+      opj_stream_default_create(OPJ_FALSE), [](opj_stream_t* t) { opj_stream_destroy(t); });
   // The encoder writes forwards only; a tile's length is known before its header is written.
   Bytes out;
   opj_stream_set_user_data(stream.get(), &out, nullptr);
@@ -171,20 +174,22 @@ Bytes encodeJpeg2000(const SeriesPlan& s, const std::vector<std::uint16_t>& v) {
 
 }  // namespace
 
-bool isEncapsulated(const std::string& uid) {
-  return uid == kRle || uid.starts_with("1.2.840.10008.1.2.4.");
-}
+bool isEncapsulated(const std::string& uid) { return uid == kRle || uid.starts_with("1.2.840.10008.1.2.4."); }
 
 std::vector<std::uint8_t> encodeFrame(const SeriesPlan& s, const std::vector<std::int32_t>& stored) {
   const std::vector<std::uint16_t> v = words(s, stored);
   const std::string& uid = s.transferSyntaxUid;
   Bytes out;
-  if (uid == kRle) out = encodeRle(s, v);
-  else if (uid == kJpegLs || uid == kJpegLsNear) out = encodeJpegLs(s, v);
-  else if (uid == kJpeg2000Lossless) out = encodeJpeg2000(s, v);
+  if (uid == kRle)
+    out = encodeRle(s, v);
+  else if (uid == kJpegLs || uid == kJpegLsNear)
+    out = encodeJpegLs(s, v);
+  else if (uid == kJpeg2000Lossless)
+    out = encodeJpeg2000(s, v);
   else if (uid == kJpegBaseline || uid == kJpegExtended || uid == kJpegLossless || uid == kJpegLosslessSv1)
     out = encodeJpeg(s, v);
-  else throw std::runtime_error("no encoder for " + uid);
+  else
+    throw std::runtime_error("no encoder for " + uid);
   if (out.size() % 2) out.push_back(0);
   return out;
 }

@@ -15,8 +15,11 @@ namespace {
 class MarschnerLobb : public Field {
  public:
   explicit MarschnerLobb(const Json& source)
-      : f_(source.at("f_m")), alpha_(source.at("alpha")), half_mm_(source.at("half_edge_mm")),
-        low_(source.at("low")), high_(source.at("high")) {}
+      : f_(source.at("f_m")),
+        alpha_(source.at("alpha")),
+        half_mm_(source.at("half_edge_mm")),
+        low_(source.at("low")),
+        high_(source.at("high")) {}
   void row(const RowLine& line, std::span<double> value, std::span<double> noise) const override {
     std::fill(noise.begin(), noise.end(), 0.0);
     for (std::size_t i = 0; i < value.size(); ++i) {
@@ -32,12 +35,16 @@ class MarschnerLobb : public Field {
   double f_, alpha_, half_mm_, low_, high_;
 };
 
-// background + peak * exp(-d^2 / (2 sigma^2)), d = distance to a straight axis: the vessel of the MIP loss figures.
+// background + peak * exp(-d^2 / (2 sigma^2)), d = distance to a straight axis: the vessel of the MIP loss
+// figures.
 class GaussianVessel : public Field {
  public:
   explicit GaussianVessel(const Json& source)
-      : through_(vecOf(source.at("through_mm"))), along_(glm::normalize(vecOf(source.at("direction")))),
-        sigma_mm_(source.at("sigma_mm")), background_(source.at("background")), peak_(source.at("peak")) {}
+      : through_(vecOf(source.at("through_mm"))),
+        along_(glm::normalize(vecOf(source.at("direction")))),
+        sigma_mm_(source.at("sigma_mm")),
+        background_(source.at("background")),
+        peak_(source.at("peak")) {}
   void row(const RowLine& line, std::span<double> value, std::span<double> noise) const override {
     std::fill(noise.begin(), noise.end(), 0.0);
     for (std::size_t i = 0; i < value.size(); ++i) {
@@ -87,15 +94,19 @@ Enum named(const Json& text, std::initializer_list<std::pair<const char*, Enum>>
 Solid solidOf(const Json& j) {
   Solid s;
   s.name = j.value("name", "");
-  s.shape = named<Shape>(j.at("shape"), {{"ellipsoid", Shape::Ellipsoid}, {"box", Shape::Box},
-                                         {"cylinder", Shape::Cylinder}, {"capsule", Shape::Capsule}});
+  s.shape = named<Shape>(j.at("shape"), {{"ellipsoid", Shape::Ellipsoid},
+                                         {"box", Shape::Box},
+                                         {"cylinder", Shape::Cylinder},
+                                         {"capsule", Shape::Capsule}});
   s.centre_mm = vecOf(j.at("centre_mm"));
   s.size_mm = vecOf(j.at("size_mm"));
   if (j.contains("rotate_deg")) s.patientFromLocal = rotationOf(vecOf(j["rotate_deg"]));
   for (const Json& clip : j.value("clips", Json::array())) s.clips.push_back(clipOf(clip));
-  s.fill = named<Fill>(j.value("fill", Json("constant")),
-                       {{"constant", Fill::Constant}, {"speckle", Fill::Speckle}, {"folds", Fill::Folds},
-                        {"blobs", Fill::Blobs}, {"combs", Fill::Combs}});
+  s.fill = named<Fill>(j.value("fill", Json("constant")), {{"constant", Fill::Constant},
+                                                           {"speckle", Fill::Speckle},
+                                                           {"folds", Fill::Folds},
+                                                           {"blobs", Fill::Blobs},
+                                                           {"combs", Fill::Combs}});
   s.value = j.at("value");
   s.value2 = j.value("value2", 0.0);
   s.cell_mm = j.value("cell_mm", 1.0);
@@ -165,7 +176,8 @@ std::vector<Solid> solidsOf(const Json& recipe, std::uint64_t seed) {
   return all;
 }
 
-std::unique_ptr<const Field> makeField(const Json& recipe, std::uint64_t seed, const std::vector<Solid>& solids) {
+std::unique_ptr<const Field> makeField(const Json& recipe, std::uint64_t seed,
+                                       const std::vector<Solid>& solids) {
   const Json& source = recipe.at("source");
   const std::string kind = source.at("kind");
   if (kind == "solids") {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A field: modality values (and noise) along a row of voxels, from the recipe's "source". Immutable; thread-safe.
+// A field: modality values (and noise) along a row of voxels, from the recipe's "source". Immutable;
+// thread-safe.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -16,8 +17,12 @@ using Json = nlohmann::json;
 class Field {
  public:
   virtual ~Field() = default;
-  // What of the field can matter to voxels within `region`: called once per slice, so that a row looks at little.
-  virtual std::unique_ptr<const Field> within(const AxisBox& region) const { return nullptr; (void)region; }
+  // What of the field can matter to voxels within `region`: called once per slice, so that a row looks at
+  // little.
+  virtual std::unique_ptr<const Field> within(const AxisBox& region) const {
+    return nullptr;
+    (void)region;
+  }
   // value: modality values without noise; noise: its standard deviation, in modality units.
   virtual void row(const RowLine&, std::span<double> value, std::span<double> noise) const = 0;
 };
@@ -41,8 +46,10 @@ class SolidsField : public Field {
   double background_ = 0, noise_ = 0, edge_mm_ = 0;
 };
 
-// Throws std::invalid_argument with a sentence where the recipe is wrong (a mistake of ours, caught by guarded()).
-std::unique_ptr<const Field> makeField(const Json& recipe, std::uint64_t seed, const std::vector<Solid>& solids);
+// Throws std::invalid_argument with a sentence where the recipe is wrong (a mistake of ours, caught by
+// guarded()).
+std::unique_ptr<const Field> makeField(const Json& recipe, std::uint64_t seed,
+                                       const std::vector<Solid>& solids);
 // The solids of the recipe's source: those listed, mirrored ones twice (name + "-right"), trees grown.
 std::vector<Solid> solidsOf(const Json& recipe, std::uint64_t seed);
 glm::dvec3 vecOf(const Json& three);

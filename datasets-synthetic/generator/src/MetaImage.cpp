@@ -14,9 +14,10 @@ std::string triple(glm::dvec3 v) { return dsOf(v.x) + " " + dsOf(v.y) + " " + ds
 
 Result<void> canBeMetaImage(const StudyPlan& study) {
   const auto refuse = [&](const char* why) {
-    return makeError(ErrorCode::OptionInvalid,
-                     std::string("The phantom cannot be written as MetaImage: ") + why + "; write it as DICOM.",
-                     study.name);
+    return makeError(
+        ErrorCode::OptionInvalid,
+        std::string("The phantom cannot be written as MetaImage: ") + why + "; write it as DICOM.",
+        study.name);
   };
   if (study.series.size() != 1) return refuse("it has several series");
   const SeriesPlan& s = study.series.front();
@@ -39,18 +40,20 @@ Result<void> writeMetaImage(const SeriesPlan& s, const std::vector<std::int16_t>
   std::filesystem::path raw = mhd;
   raw.replace_extension(".raw");
   std::ofstream header(mhd, std::ios::binary);
-  header << "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n"
+  header << "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = "
+            "False\nCompressedData = False\n"
          << "TransformMatrix = " << triple(first.rowDirection) << ' ' << triple(first.columnDirection) << ' '
          << triple(normal) << "\nOffset = " << triple(first.origin_mm) << "\nCenterOfRotation = 0 0 0\n"
-         << "ElementSpacing = " << dsOf(s.columnSpacing_mm) << ' ' << dsOf(s.rowSpacing_mm) << ' ' << dsOf(s.step_mm)
-         << "\nDimSize = " << s.columns << ' ' << s.rows << ' ' << s.slices.size()
+         << "ElementSpacing = " << dsOf(s.columnSpacing_mm) << ' ' << dsOf(s.rowSpacing_mm) << ' '
+         << dsOf(s.step_mm) << "\nDimSize = " << s.columns << ' ' << s.rows << ' ' << s.slices.size()
          << "\nElementType = MET_SHORT\nElementDataFile = " << raw.filename().string() << '\n';
   std::ofstream data(raw, std::ios::binary);
   data.write(reinterpret_cast<const char*>(volume.data()), static_cast<std::streamsize>(volume.size() * 2));
   header.close();
   data.close();
   if (!header || !data)
-    return makeError(ErrorCode::WriteFailed, "The MetaImage cannot be written; check the folder and the disk.",
+    return makeError(ErrorCode::WriteFailed,
+                     "The MetaImage cannot be written; check the folder and the disk.",
                      mhd.filename().string());
   return {};
 }

@@ -39,7 +39,8 @@ Result<void> makeFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error || !std::filesystem::is_directory(folder, error))
-    return makeError(ErrorCode::WriteFailed, "The output folder cannot be made; name one that can be written.",
+    return makeError(ErrorCode::WriteFailed,
+                     "The output folder cannot be made; name one that can be written.",
                      folder.filename().string());
   return {};
 }
@@ -50,7 +51,8 @@ Result<void> removeOldFiles(const std::filesystem::path& folder) {
     if (entry.is_regular_file(error) && entry.path().extension() == ".dcm")
       std::filesystem::remove(entry.path(), error);
   if (error)
-    return makeError(ErrorCode::WriteFailed, "Files of an earlier run cannot be removed; name another folder.",
+    return makeError(ErrorCode::WriteFailed,
+                     "Files of an earlier run cannot be removed; name another folder.",
                      folder.filename().string());
   return {};
 }
@@ -77,11 +79,13 @@ Result<std::uint64_t> makeSlice(Job& job, std::size_t n, std::size_t k) {
     const std::vector<std::int32_t> stored = sampleSlice(job.field, series, slice, job.study.seed);
     job.sums[n][k] = sumsOf(stored);
     if (job.format == PhantomFormat::MetaImage) {
-      std::copy(stored.begin(), stored.end(), job.volume.begin() + static_cast<std::ptrdiff_t>(k * stored.size()));
+      std::copy(stored.begin(), stored.end(),
+                job.volume.begin() + static_cast<std::ptrdiff_t>(k * stored.size()));
       return stored.size() * 2;
     }
     const std::filesystem::path file = job.folder / slice.fileName;
-    if (Result<void> written = writeDicom(job.study, series, slice, stored, file); !written) return written.error();
+    if (Result<void> written = writeDicom(job.study, series, slice, stored, file); !written)
+      return written.error();
     std::error_code ignored;
     return std::filesystem::file_size(file, ignored);
   });
@@ -122,11 +126,12 @@ Result<void> writeText(const std::filesystem::path& file, const std::string& tex
   return {};
 }
 
-Result<PhantomInfo> write(const std::string& name, const std::filesystem::path& outDir, const PhantomOptions& options,
-                          const ProgressFn& progress) {
+Result<PhantomInfo> write(const std::string& name, const std::filesystem::path& outDir,
+                          const PhantomOptions& options, const ProgressFn& progress) {
   const std::optional<Json> plain = findRecipe(name);
   if (!plain || !plain->contains("summary"))
-    return makeError(ErrorCode::OptionInvalid, "There is no such phantom; 'vernier phantom list' names them.", name);
+    return makeError(ErrorCode::OptionInvalid, "There is no such phantom; 'vernier phantom list' names them.",
+                     name);
   std::string variant;
   const Result<Json> recipe = applySettings(*plain, options.settings, variant);
   if (!recipe) return recipe.error();

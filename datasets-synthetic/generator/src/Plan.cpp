@@ -34,7 +34,9 @@ Axes axesOf(const Json& grid) {
     row = turn * row;
     column = turn * column;
   }
-  const auto rounded = [](glm::dvec3 v) { return glm::dvec3(dsRounded(v.x), dsRounded(v.y), dsRounded(v.z)); };
+  const auto rounded = [](glm::dvec3 v) {
+    return glm::dvec3(dsRounded(v.x), dsRounded(v.y), dsRounded(v.z));
+  };
   row = rounded(row);
   column = rounded(column);
   return {row, column, glm::cross(row, column)};
@@ -65,7 +67,8 @@ std::vector<SlicePlan> evenSlices(const Json& grid, const Axes& axes) {
   return all;
 }
 
-void tilt(std::vector<SlicePlan>& slices, const Json& fault, const Axes& axes, double step_mm, Json& findings) {
+void tilt(std::vector<SlicePlan>& slices, const Json& fault, const Axes& axes, double step_mm,
+          Json& findings) {
   const double deg = fault.at("deg");
   const double shift_mm = step_mm * portableSin(radiansOf(deg)) / portableCos(radiansOf(deg));
   const double middle = 0.5 * static_cast<double>(slices.size() - 1);
@@ -75,8 +78,10 @@ void tilt(std::vector<SlicePlan>& slices, const Json& fault, const Axes& axes, d
 }
 
 void gap(std::vector<SlicePlan>& slices, const Json& fault, const Axes& axes, Json& findings) {
-  const auto from = fault.at("first_missing").get<std::size_t>(), count = fault.at("missing").get<std::size_t>();
-  if (from == 0 || from + count >= slices.size()) throw std::invalid_argument("recipe: the gap is not inside the stack");
+  const auto from = fault.at("first_missing").get<std::size_t>(),
+             count = fault.at("missing").get<std::size_t>();
+  if (from == 0 || from + count >= slices.size())
+    throw std::invalid_argument("recipe: the gap is not inside the stack");
   findings.push_back({{"code", "gap"},
                       {"from_mm", glm::dot(slices[from - 1].origin_mm, axes.normal)},
                       {"to_mm", glm::dot(slices[from + count].origin_mm, axes.normal)},
@@ -103,7 +108,8 @@ void shuffle(std::vector<SlicePlan>& slices, std::uint64_t seed) {
   for (std::size_t k = 0; k < slices.size(); ++k) {
     slices[k].instanceNumber = static_cast<int>(order[k]) + 1;
     std::string name;
-    for (std::uint64_t bits = randomBits(seed, 9000 + k), n = 0; n < 8; ++n, bits >>= 4) name += kHex[bits & 15];
+    for (std::uint64_t bits = randomBits(seed, 9000 + k), n = 0; n < 8; ++n, bits >>= 4)
+      name += kHex[bits & 15];
     slices[k].fileName = name + ".dcm";
   }
 }
@@ -120,13 +126,16 @@ void duplicate(SeriesPlan& series, const Json& fault, const StudyPlan& study, co
     twin.instanceNumber = static_cast<int>(series.slices.size()) + 1;
     findings.push_back({{"code", "coincident-positions"}, {"pairs", 1}});
   } else {
-    findings.push_back({{"code", "repeated-sop-instance-uid"}, {"files", 2}, {"identical", kind == "identical"}});
+    findings.push_back(
+        {{"code", "repeated-sop-instance-uid"}, {"files", 2}, {"identical", kind == "identical"}});
   }
   series.slices.push_back(twin);
 }
 
 std::vector<Window> windowsOf(const Json& list) {
-  const auto text = [](const Json& v) { return v.is_string() ? v.get<std::string>() : dsOf(v.get<double>()); };
+  const auto text = [](const Json& v) {
+    return v.is_string() ? v.get<std::string>() : dsOf(v.get<double>());
+  };
   std::vector<Window> all;
   for (const Json& w : list) all.push_back({text(w.at("center")), text(w.at("width")), w.value("name", "")});
   return all;
@@ -160,7 +169,8 @@ void encodeAs(SeriesPlan& s, const Json& syntax) {
   s.quality = syntax.value("quality", 0);
   s.lossyMethod = syntax.value("lossy_method", "");
   s.storedBound = syntax.value("stored_bound", 0.0);
-  if (syntax.value("eight_bit", false)) {  // 12 bits of values in 8: SC, since CT and MR images have 16 allocated
+  if (syntax.value("eight_bit",
+                   false)) {  // 12 bits of values in 8: SC, since CT and MR images have 16 allocated
     s.storage = Storage::SecondaryCapture;
     s.bitsAllocated = s.bitsStored = 8;
     s.slope *= 16.0;
@@ -180,7 +190,9 @@ Json withCube(Json recipe) {
 
 }  // namespace
 
-std::uint64_t seedOf(const Json& recipe) { return static_cast<std::uint64_t>(recipe.at("seed").get<double>()); }
+std::uint64_t seedOf(const Json& recipe) {
+  return static_cast<std::uint64_t>(recipe.at("seed").get<double>());
+}
 
 StudyPlan makeStudyPlan(const Json& given, const std::string& variant) {
   const Json recipe = withCube(given);
@@ -231,7 +243,8 @@ StudyPlan makeStudyPlan(const Json& given, const std::string& variant) {
   }
   if (kind == "shuffled") shuffle(base.slices, study.seed);
 
-  const Json syntaxes = recipe.value("syntaxes", Json::array({Json{{"name", ""}, {"uid", base.transferSyntaxUid}}}));
+  const Json syntaxes =
+      recipe.value("syntaxes", Json::array({Json{{"name", ""}, {"uid", base.transferSyntaxUid}}}));
   for (std::size_t n = 0; n < syntaxes.size(); ++n) {
     SeriesPlan series = base;
     encodeAs(series, syntaxes[n]);
@@ -242,7 +255,8 @@ StudyPlan makeStudyPlan(const Json& given, const std::string& variant) {
     for (std::size_t k = 0; k < series.slices.size(); ++k) {
       SlicePlan& s = series.slices[k];
       s.sopUid = uid("series " + std::to_string(n) + " image " + std::to_string(k));
-      if (syntaxes.size() > 1) s.fileName = std::string("S").append(std::to_string(n + 1)).append("-").append(s.fileName);
+      if (syntaxes.size() > 1)
+        s.fileName = std::string("S").append(std::to_string(n + 1)).append("-").append(s.fileName);
     }
     if (fault.contains("value_offset")) duplicate(series, fault, study, variant, study.findings);
     study.series.push_back(std::move(series));

@@ -20,8 +20,9 @@ struct Window {
 };
 
 struct SlicePlan {
-  glm::dvec3 origin_mm{0}, rowDirection{1, 0, 0}, columnDirection{0, 1, 0};  // as the file's DS say, to the last digit
-  std::int64_t noiseKey = 0;  // slices with the same key and place have the same noise
+  glm::dvec3 origin_mm{0}, rowDirection{1, 0, 0},
+      columnDirection{0, 1, 0};  // as the file's DS say, to the last digit
+  std::int64_t noiseKey = 0;     // slices with the same key and place have the same noise
   int instanceNumber = 1;
   std::string sopUid, fileName;
   double valueOffset = 0;  // modality units; tells two objects of one place apart
@@ -42,9 +43,9 @@ struct SeriesPlan {
   std::optional<int> padding;
   double fieldOfView_mm = 0;  // with padding: pixels farther than this from the image's centre are padding
   std::string transferSyntaxUid = "1.2.840.10008.1.2.1";
-  int quality = 0;             // lossy JPEG; or the allowed error of JPEG-LS near-lossless
-  std::string lossyMethod;     // empty: lossless
-  double storedBound = 0;      // largest difference of a decoded stored value from the uncompressed one
+  int quality = 0;          // lossy JPEG; or the allowed error of JPEG-LS near-lossless
+  std::string lossyMethod;  // empty: lossless
+  double storedBound = 0;   // largest difference of a decoded stored value from the uncompressed one
   std::vector<SlicePlan> slices;
 };
 
@@ -63,7 +64,8 @@ std::string dsOf(double);
 double dsRounded(double);
 
 // Checks the settings and writes them into a copy of the recipe. `variant` names them: it goes into the UIDs.
-Result<Json> applySettings(Json recipe, const std::map<std::string, std::string>& settings, std::string& variant);
+Result<Json> applySettings(Json recipe, const std::map<std::string, std::string>& settings,
+                           std::string& variant);
 StudyPlan makeStudyPlan(const Json& recipe, const std::string& variant);
 std::uint64_t seedOf(const Json& recipe);
 

@@ -21,9 +21,10 @@ double cosCore(double x) {
   return 1.0 + sum;
 }
 
-// x = quarter * pi/2 + rest, with pi/2 in two parts so that the subtraction keeps its digits.
+// x = quarter * pi/2 + rest, with pi/2 in two parts: the first has 33 bits, so that its product with quarter
+// is exact.
 double reduce(double x, std::int64_t& quarter) {
-  constexpr double kHigh = 1.57079632679489655800, kLow = 6.12323399573676603587e-17;
+  constexpr double kHigh = 1.57079632673412561417, kLow = 6.07710050650619224932e-11;
   const double q = std::floor(x / kHigh + 0.5);
   quarter = static_cast<std::int64_t>(q);
   return (x - q * kHigh) - q * kLow;
@@ -35,10 +36,14 @@ double portableSin(double x) {
   std::int64_t quarter = 0;
   const double r = reduce(x, quarter);
   switch (quarter & 3) {
-    case 0: return sinCore(r);
-    case 1: return cosCore(r);
-    case 2: return -sinCore(r);
-    default: return -cosCore(r);
+    case 0:
+      return sinCore(r);
+    case 1:
+      return cosCore(r);
+    case 2:
+      return -sinCore(r);
+    default:
+      return -cosCore(r);
   }
 }
 
@@ -46,10 +51,14 @@ double portableCos(double x) {
   std::int64_t quarter = 0;
   const double r = reduce(x, quarter);
   switch (quarter & 3) {
-    case 0: return cosCore(r);
-    case 1: return -sinCore(r);
-    case 2: return -cosCore(r);
-    default: return sinCore(r);
+    case 0:
+      return cosCore(r);
+    case 1:
+      return -sinCore(r);
+    case 2:
+      return -cosCore(r);
+    default:
+      return sinCore(r);
   }
 }
 

@@ -9,11 +9,12 @@
 namespace vernier::phantoms {
 namespace {
 
-// About normal, unit variance: four 16-bit uniforms of one hash, added as integers (variance of one: (2^32 - 1) / 12).
+// About normal, unit variance: four 16-bit uniforms of one hash, added as integers (variance of one: (2^32 -
+// 1) / 12).
 float unitNoise(std::uint64_t seed, std::uint64_t counter) {
   const std::uint64_t bits = randomBits(seed, counter);
-  const auto sum = static_cast<std::int64_t>((bits & 0xFFFF) + ((bits >> 16) & 0xFFFF) + ((bits >> 32) & 0xFFFF) +
-                                             (bits >> 48));
+  const auto sum = static_cast<std::int64_t>((bits & 0xFFFF) + ((bits >> 16) & 0xFFFF) +
+                                             ((bits >> 32) & 0xFFFF) + (bits >> 48));
   return static_cast<float>(static_cast<double>(sum - 2 * 0xFFFF) * (1.0 / 37837.227));
 }
 
@@ -21,7 +22,8 @@ float unitNoise(std::uint64_t seed, std::uint64_t counter) {
 class Grain {
  public:
   Grain(std::uint64_t seed, std::int64_t key, std::int64_t columns)
-      : seed_(randomBits(seed, static_cast<std::uint64_t>(key))), upper_(static_cast<std::size_t>(columns) + 1),
+      : seed_(randomBits(seed, static_cast<std::uint64_t>(key))),
+        upper_(static_cast<std::size_t>(columns) + 1),
         lower_(upper_.size()) {
     fill(lower_, 0);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Settings: what a caller may change of a recipe. Each is written into the recipe's JSON, so that the planner sees one
-// plain recipe.
+// Settings: what a caller may change of a recipe. Each is written into the recipe's JSON, so that the planner
+// sees one plain recipe.
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -14,11 +14,13 @@ namespace {
 std::optional<double> numberIn(const std::string& text, double low, double high) {
   double v = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
-  if (error != std::errc() || end != text.data() + text.size() || !(v >= low && v <= high)) return std::nullopt;
+  if (error != std::errc() || end != text.data() + text.size() || !(v >= low && v <= high))
+    return std::nullopt;
   return v;
 }
 
-// Divides the number of voxels along an axis by `factor` and makes them larger; the box stays the same within a voxel.
+// Divides the number of voxels along an axis by `factor` and makes them larger; the box stays the same within
+// a voxel.
 void coarsen(Json& grid, const char* count, int axis, double factor) {
   const auto n = static_cast<std::int64_t>(std::floor(grid.at(count).get<double>() / factor + 0.5));
   grid[count] = std::max<std::int64_t>(1, n);
@@ -54,21 +56,24 @@ Result<Json> valueOf(const Json& setting, const std::string& name, const std::st
   const double low = setting.at("low"), high = setting.at("high");
   if (const auto v = numberIn(text, low, high)) return Json(*v);
   return makeError(ErrorCode::OptionInvalid,
-                   "The setting '" + name + "' takes a number from " + dsOf(low) + " to " + dsOf(high) + ".", text);
+                   "The setting '" + name + "' takes a number from " + dsOf(low) + " to " + dsOf(high) + ".",
+                   text);
 }
 
 }  // namespace
 
-Result<Json> applySettings(Json recipe, const std::map<std::string, std::string>& settings, std::string& variant) {
+Result<Json> applySettings(Json recipe, const std::map<std::string, std::string>& settings,
+                           std::string& variant) {
   variant.clear();
   const Json known = recipe.value("settings", Json::object());
   for (const auto& [name, text] : settings) {
     if (!known.contains(name)) {
       std::string all;
       for (const auto& item : known.items()) all += (all.empty() ? "" : ", ") + item.key();
-      return makeError(ErrorCode::OptionInvalid,
-                       "The recipe has no setting '" + name + "'; it takes " + (all.empty() ? "none" : all) + ".",
-                       recipe.at("name").get<std::string>());
+      return makeError(
+          ErrorCode::OptionInvalid,
+          "The recipe has no setting '" + name + "'; it takes " + (all.empty() ? "none" : all) + ".",
+          recipe.at("name").get<std::string>());
     }
     Result<Json> value = valueOf(known[name], name, text);
     if (!value) return value;

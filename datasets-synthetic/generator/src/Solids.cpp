@@ -54,9 +54,12 @@ Interval reach(const Solid& s, const RowLine& line, glm::dvec3 p, glm::dvec3 d, 
   for (const HalfSpace& clip : s.clips) {
     const double slope = glm::dot(clip.normal, line.step_mm);
     const double room = clip.offset_mm + margin - glm::dot(clip.normal, line.start_mm);
-    if (slope > 0.0) t.high = std::min(t.high, room / slope);
-    else if (slope < 0.0) t.low = std::max(t.low, room / slope);
-    else if (room < 0.0) t.high = t.low - 1.0;
+    if (slope > 0.0)
+      t.high = std::min(t.high, room / slope);
+    else if (slope < 0.0)
+      t.low = std::max(t.low, room / slope);
+    else if (room < 0.0)
+      t.high = t.low - 1.0;
   }
   const glm::dvec3 h = halfExtent(s) + glm::dvec3(margin);
   if (!(std::min({h.x, h.y, h.z}) > 0.0)) return {0.0, -1.0};
@@ -76,7 +79,8 @@ Interval reach(const Solid& s, const RowLine& line, glm::dvec3 p, glm::dvec3 d, 
   return t;
 }
 
-// Distance to an axis-aligned ellipse or ellipsoid, first order at the surface; exact when all axes are equal.
+// Distance to an axis-aligned ellipse or ellipsoid, first order at the surface; exact when all axes are
+// equal.
 double ellipticDistance(glm::dvec3 u, glm::dvec3 w) {
   const double k0 = std::sqrt(glm::dot(u, u)), k1 = std::sqrt(glm::dot(w, w));
   return k1 > 0.0 ? k0 * (k0 - 1.0) / k1 : -1e30;
@@ -87,8 +91,8 @@ double shapeDistance(const Solid& s, glm::dvec3 p) {
   switch (s.shape) {
     case Shape::Ellipsoid: {
       const glm::dvec3 u = p / r;
-      // The formula's limit in the centre is minus infinity only for its first-order form; the true depth is at most
-      // the smallest semi-axis.
+      // The formula's limit in the centre is minus infinity only for its first-order form; the true depth is
+      // at most the smallest semi-axis.
       return std::max(ellipticDistance(u, u / r), -std::min({r.x, r.y, r.z}));
     }
     case Shape::Box:
@@ -107,7 +111,9 @@ double shapeDistance(const Solid& s, glm::dvec3 p) {
 }
 
 std::uint64_t cellHash(std::uint64_t seed, double x, double y, double z) {
-  const auto n = [](double v) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(v) + (1 << 20)); };
+  const auto n = [](double v) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(v) + (1 << 20));
+  };
   return randomBits(seed, n(x) | (n(y) << 21) | (n(z) << 42));
 }
 
@@ -134,7 +140,8 @@ AxisBox boundsOf(const Solid& s, double edge_mm) {
   glm::dvec3 reachOf(0.0);
   for (int c = 0; c < 3; ++c) reachOf += glm::abs(s.patientFromLocal[c]) * h[c];
   AxisBox box{s.centre_mm - reachOf, s.centre_mm + reachOf};
-  for (const HalfSpace& clip : s.clips) {  // axis-aligned clips shorten the box, the others are left to the distance
+  for (const HalfSpace& clip :
+       s.clips) {  // axis-aligned clips shorten the box, the others are left to the distance
     for (int c = 0; c < 3; ++c) {
       if (clip.normal[c] == 1.0) box.high[c] = std::min(box.high[c], clip.offset_mm + edge_mm);
       if (clip.normal[c] == -1.0) box.low[c] = std::max(box.low[c], -clip.offset_mm - edge_mm);
@@ -151,7 +158,8 @@ double signedDistance(const Solid& s, glm::dvec3 p_mm) {
 
 FillValue fillAt(const Solid& s, glm::dvec3 p_mm, Texture& texture) {
   switch (s.fill) {
-    case Fill::Constant: return {s.value};
+    case Fill::Constant:
+      return {s.value};
     case Fill::Speckle: {
       const glm::dvec3 c = glm::floor(p_mm / s.cell_mm);
       return {cellHash(texture.seed, c.x, c.y, c.z) & 1 ? s.value : s.value2};
@@ -167,21 +175,24 @@ FillValue fillAt(const Solid& s, glm::dvec3 p_mm, Texture& texture) {
       return {s.value + s.value2 * texture.coarse.at(p_mm / s.cell_mm)};
     case Fill::Combs: {
       const glm::dvec3 p = glm::transpose(s.patientFromLocal) * (p_mm - s.centre_mm);
-      // Position along the comb: arc length on the ellipse's mean radius, by the diamond angle (no atan2 needed).
+      // Position along the comb: arc length on the ellipse's mean radius, by the diamond angle (no atan2
+      // needed).
       const double a = p.x / s.size_mm.x, b = p.y / s.size_mm.y, sum = std::fabs(a) + std::fabs(b);
       const double turn = sum > 0.0 ? a / sum : 0.0;
-      const double along = turn * 0.5 * 3.14159265358979323846 * 0.5 * (s.size_mm.x + s.size_mm.y) / s.cell_mm;
+      const double along =
+          turn * 0.5 * 3.14159265358979323846 * 0.5 * (s.size_mm.x + s.size_mm.y) / s.cell_mm;
       return {along - std::floor(along) < s.threshold ? s.value : s.value2};
     }
   }
   return {s.value};
 }
 
-void paintRow(const Solid& s, const RowLine& line, double edge_mm, std::uint64_t seed, std::span<double> value,
-              std::span<double> noise) {
+void paintRow(const Solid& s, const RowLine& line, double edge_mm, std::uint64_t seed,
+              std::span<double> value, std::span<double> noise) {
   const glm::dmat3 localFromPatient = glm::transpose(s.patientFromLocal);
   const glm::dvec3 p0 = localFromPatient * (line.start_mm - s.centre_mm), d = localFromPatient * line.step_mm;
-  // An ellipsoid grown by m along its axes is a little smaller than the body at distance m: twice the edge is ample.
+  // An ellipsoid grown by m along its axes is a little smaller than the body at distance m: twice the edge is
+  // ample.
   const Interval outer = reach(s, line, p0, d, edge_mm + 1e-6);
   if (outer.empty()) return;
   // Well inside, coverage is 1 and needs no distance. (A capsule's box says nothing about its inside.)
@@ -195,7 +206,8 @@ void paintRow(const Solid& s, const RowLine& line, double edge_mm, std::uint64_t
     double cover = 1.0;
     if (!(x >= inner.low && x <= inner.high)) {
       double distance = shapeDistance(s, p0 + x * d);
-      for (const HalfSpace& clip : s.clips) distance = std::max(distance, glm::dot(clip.normal, p) - clip.offset_mm);
+      for (const HalfSpace& clip : s.clips)
+        distance = std::max(distance, glm::dot(clip.normal, p) - clip.offset_mm);
       cover = edge_mm > 0.0 ? std::clamp(0.5 - distance / edge_mm, 0.0, 1.0) : (distance <= 0.0 ? 1.0 : 0.0);
       if (cover <= 0.0) continue;
     }

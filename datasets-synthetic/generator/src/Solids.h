@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Solids in Patient mm, painted in order along rows of voxels. Every shape is convex, so that a row meets it in one
-// interval; the value at a voxel is the solid's fill, blended by coverage = clamp(0.5 - d / edge, 0, 1), where d is the
-// signed distance to the surface at the voxel's centre (exact for boxes' faces, cylinders and balls, first order for
-// ellipsoids). edge 0: inside or outside, nothing between.
+// Solids in Patient mm, painted in order along rows of voxels. Every shape is convex, so that a row meets it
+// in one interval; the value at a voxel is the solid's fill, blended by coverage = clamp(0.5 - d / edge, 0,
+// 1), where d is the signed distance to the surface at the voxel's centre (exact for boxes' faces, cylinders
+// and balls, first order for ellipsoids). edge 0: inside or outside, nothing between.
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -30,17 +30,17 @@ struct Solid {
   std::string name;
   Shape shape = Shape::Ellipsoid;
   glm::dvec3 centre_mm{0};
-  // Ellipsoid: semi-axes; Box: half edges; Cylinder: semi-axes x, y and half length z; Capsule: radius at -z, at +z,
-  // half length.
+  // Ellipsoid: semi-axes; Box: half edges; Cylinder: semi-axes x, y and half length z; Capsule: radius at -z,
+  // at +z, half length.
   glm::dvec3 size_mm{1};
   glm::dmat3 patientFromLocal{1.0};  // rotation
   std::vector<HalfSpace> clips;
   Fill fill = Fill::Constant;
   double value = 0, value2 = 0, cell_mm = 1, threshold = 0;
-  double noise = 0;      // standard deviation of the noise inside
-  bool sheetsOnly = false;  // Folds: only the sheets are painted, what lies between shows through
+  double noise = 0;           // standard deviation of the noise inside
+  bool sheetsOnly = false;    // Folds: only the sheets are painted, what lies between shows through
   std::uint64_t texture = 0;  // solids with the same number (not 0) share one random field
-  bool maximum = false;  // raises what is there, never lowers it (vessels)
+  bool maximum = false;       // raises what is there, never lowers it (vessels)
 };
 
 // One row of voxels: voxel i lies at start + i * step.
@@ -52,15 +52,16 @@ struct RowLine {
 struct AxisBox {
   glm::dvec3 low{0}, high{0};
   bool meets(const AxisBox& o) const {
-    return low.x <= o.high.x && o.low.x <= high.x && low.y <= o.high.y && o.low.y <= high.y && low.z <= o.high.z &&
-           o.low.z <= high.z;
+    return low.x <= o.high.x && o.low.x <= high.x && low.y <= o.high.y && o.low.y <= high.y &&
+           low.z <= o.high.z && o.low.z <= high.z;
   }
 };
 
 AxisBox boundsOf(const Solid&, double edge_mm);
 // Signed distance of a patient point to the surface, clips included; negative inside.
 double signedDistance(const Solid&, glm::dvec3 p_mm);
-// Smooth value noise in [-1, 1] on a lattice of 1 unit; keeps the corners of the cell where it was last asked.
+// Smooth value noise in [-1, 1] on a lattice of 1 unit; keeps the corners of the cell where it was last
+// asked.
 class SmoothNoise {
  public:
   explicit SmoothNoise(std::uint64_t seed) : seed_(seed) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Vessel trees: each branch walks in short tapered capsules, wanders a little, then splits in two thinner ones (radii
-// by Murray's law: r^3 = r1^3 + r2^3). Choices come from the integer hash, in a fixed order.
+// Vessel trees: each branch walks in short tapered capsules, wanders a little, then splits in two thinner
+// ones (radii by Murray's law: r^3 = r1^3 + r2^3). Choices come from the integer hash, in a fixed order.
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Same bytes on every run, with any number of threads, and equal to datasets-synthetic/manifest.sha256. Where the
-// manifest no longer holds because a recipe was changed on purpose, VERNIER_WRITE_MANIFEST=1 writes it anew.
+// Same bytes on every run, with any number of threads, and equal to datasets-synthetic/manifest.sha256. Where
+// the manifest no longer holds because a recipe was changed on purpose, VERNIER_WRITE_MANIFEST=1 writes it
+// anew.
 #include <gtest/gtest.h>
 #include <openssl/evp.h>
 
@@ -35,7 +36,8 @@ std::vector<Variant> variants() {
       if (s.name == "scale") v.settings["scale"] = "0.125";
     all.push_back(v);
   }
-  all.push_back({"orientation", {{"plane", "sagittal"}, {"flip", "5"}, {"left-handed", "yes"}, {"scale", "0.5"}}});
+  all.push_back(
+      {"orientation", {{"plane", "sagittal"}, {"flip", "5"}, {"left-handed", "yes"}, {"scale", "0.5"}}});
   all.push_back({"ruler", {{"oblique", "25"}, {"slice-aspect", "50"}, {"scale", "0.25"}}});
   all.push_back({"gaussian-vessel", {{"sigma", "0.5"}}});
   all.push_back({"marschner-lobb", {{"n", "64"}}});
@@ -86,7 +88,8 @@ TEST(PhantomBytes, EqualTheManifest) {
   std::ifstream in(manifestFile());
   for (std::string line; std::getline(in, line);)
     if (!line.empty() && line[0] != '#') manifest[line.substr(66)] = line.substr(0, 64);
-  std::string made = "# SHA-256 over the files (DICOM and answers) of a phantom: tests/unit/phantoms/BytesTest.cpp\n";
+  std::string made =
+      "# SHA-256 over the files (DICOM and answers) of a phantom: tests/unit/phantoms/BytesTest.cpp\n";
   const bool write = std::getenv("VERNIER_WRITE_MANIFEST") != nullptr;
   std::size_t checked = 0;
   for (const Variant& v : variants()) {
@@ -99,8 +102,11 @@ TEST(PhantomBytes, EqualTheManifest) {
     EXPECT_EQ(digest, manifest[v.text()]) << v.text();
     ++checked;
   }
-  if (write) std::ofstream(manifestFile()) << made;
-  else EXPECT_EQ(checked, manifest.size()) << "the manifest has lines of no variant";
+  if (write) {
+    std::ofstream(manifestFile()) << made;
+  } else {
+    EXPECT_EQ(checked, manifest.size()) << "the manifest has lines of no variant";
+  }
 }
 
 TEST(PhantomBytes, DoNotDependOnThreadsOrOnFilesOfAnEarlierRun) {
@@ -122,7 +128,8 @@ TEST(PhantomBytes, DoNotDependOnThreadsOrOnFilesOfAnEarlierRun) {
 
 TEST(PhantomBytes, ChangeWithTheSeedUidsIncluded) {
   TempDir a, b;
-  const Written one = writeAndRead(a.path(), "small-ct"), two = writeAndRead(b.path(), "small-ct", {{"seed", "7"}});
+  const Written one = writeAndRead(a.path(), "small-ct"),
+                two = writeAndRead(b.path(), "small-ct", {{"seed", "7"}});
   ASSERT_EQ(one.files.size(), two.files.size());
   for (std::size_t k = 0; k < one.files.size(); ++k) {
     EXPECT_NE(one.files[k].sopUid, two.files[k].sopUid);
@@ -140,7 +147,8 @@ TEST(PhantomMetaImage, HoldsTheSameVoxelsAsTheDicomFiles) {
     options.format = PhantomFormat::MetaImage;
     const Result<PhantomInfo> info = writePhantom(name, dir.path(), options);
     ASSERT_TRUE(info.ok()) << info.error().text();
-    const std::string header = contentOf(info->data), raw = contentOf(dir.path() / (std::string(name) + ".raw"));
+    const std::string header = contentOf(info->data),
+                      raw = contentOf(dir.path() / (std::string(name) + ".raw"));
     EXPECT_NE(header.find("ElementType = MET_SHORT"), std::string::npos);
     EXPECT_NE(header.find("ElementDataFile = " + std::string(name) + ".raw"), std::string::npos);
     std::size_t at = 0;

@@ -26,7 +26,8 @@ TEST(BrokenSeries, TiltIsInThePositionsOnly) {
     TempDir dir;
     const auto files = byPosition(writeAndRead(dir.path(), "tilt", {{"tilt", deg}}).files);
     for (std::size_t k = 1; k < files.size(); ++k) {
-      const double dy = files[k].origin[1] - files[k - 1].origin[1], dz = files[k].origin[2] - files[k - 1].origin[2];
+      const double dy = files[k].origin[1] - files[k - 1].origin[1],
+                   dz = files[k].origin[2] - files[k - 1].origin[2];
       EXPECT_NEAR(dz, 1.5, 1e-12);
       EXPECT_NEAR(std::atan2(dy, dz) * 180 / M_PI, std::stod(deg), 1e-9);
       EXPECT_EQ(files[k].origin[0], files[0].origin[0]);
@@ -40,7 +41,8 @@ TEST(BrokenSeries, TiltIsInThePositionsOnly) {
 TEST(BrokenSeries, TiltedPixelsShowThePatientWhereThePositionsSay) {
   TempDir dir;
   for (const ReadFile& f : writeAndRead(dir.path(), "tilt").files) {
-    const int row = static_cast<int>(std::lround(18 - f.origin[1])), column = static_cast<int>(std::lround(-f.origin[0]));
+    const int row = static_cast<int>(std::lround(18 - f.origin[1])),
+              column = static_cast<int>(std::lround(-f.origin[0]));
     if (row < 0 || row >= f.rows) continue;
     EXPECT_NEAR(f.at(column, row) + f.intercept, 600, 60) << f.name;
   }
@@ -144,9 +146,14 @@ TEST(BrokenSeries, PaddingFillsEverythingOutsideTheCircleAndNothingInside) {
 TEST(BrokenSeries, WindowsAreOddAsStated) {
   TempDir dir;
   const Written w = writeAndRead(dir.path(), "window-odd");
-  const std::vector<std::array<std::string, 3>> expected{
-      {"40\\-600", "400\\1500", ""},   {"40\\50", "0\\350", ""},       {"40", "-400", ""},  {"40.25", "0.5", ""},
-      {"40", "1", ""}, {"40", "400", "LINEAR_EXACT"}, {"40", "400", "SIGMOID"}, {"1000000", "1000000000", ""}};
+  const std::vector<std::array<std::string, 3>> expected{{"40\\-600", "400\\1500", ""},
+                                                         {"40\\50", "0\\350", ""},
+                                                         {"40", "-400", ""},
+                                                         {"40.25", "0.5", ""},
+                                                         {"40", "1", ""},
+                                                         {"40", "400", "LINEAR_EXACT"},
+                                                         {"40", "400", "SIGMOID"},
+                                                         {"1000000", "1000000000", ""}};
   for (std::size_t k = 0; k < w.files.size(); ++k) {
     EXPECT_EQ(w.files[k].windowCenter, expected[k % 8][0]);
     EXPECT_EQ(w.files[k].windowWidth, expected[k % 8][1]);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the tests read back from a phantom: with DCMTK (and OpenJPEG for JPEG 2000), none of the generator's code.
+// What the tests read back from a phantom: with DCMTK (and OpenJPEG for JPEG 2000), none of the generator's
+// code.
 #pragma once
 #include <cstdint>
 #include <filesystem>
