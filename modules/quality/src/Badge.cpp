@@ -88,7 +88,9 @@ ValueError valueError(const std::vector<Sample>& samples, const std::vector<std:
     }
     if (!s.value) continue;
     const double difference = std::abs(got - s.value->value);
-    const double allowed = 1e-4 * s.value->localRange() + 1e-6 * stored;
+    // The last term: the frame keeps values as floats.
+    const double allowed =
+        1e-4 * s.value->localRange() + 1e-6 * stored + std::ldexp(std::abs(s.value->value), -24);
     ++e.n;
     e.max_val = std::max(e.max_val, difference);
     if (difference > 0) e.worstOfBound = std::max(e.worstOfBound, allowed > 0 ? difference / allowed : 1e9);

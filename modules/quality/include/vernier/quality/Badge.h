@@ -36,7 +36,8 @@ struct ValueError {
   double max_val = 0;                     // largest |engine - double|, modality units
   std::size_t coverageDiffers = 0;        // pixels where one side has data and the other has not
   std::size_t coverageDiffersInside = 0;  // of these, not edge pixels
-  double worstOfBound = 0;  // largest |engine - double| / (1e-4 local range + 1e-6 stored range); <= 1 holds
+  double worstOfBound =
+      0;  // largest |engine - double| / (1e-4 local range + 1e-6 stored range + float rounding)
 };
 
 struct ErrorReport {
