@@ -7,6 +7,7 @@
 
 #include "MakeDicom.h"
 #include "TestData.h"
+#include "vernier/study/Load.h"
 #include "vernier/study/Model.h"
 
 namespace vernier::test {
@@ -18,6 +19,16 @@ struct HandMadeStudy {
   Series& series() { return set.series[0]; }
   Stack& stack() { return set.series[0].stacks[0]; }
   Instance& instance(std::size_t n) { return set.instances[n]; }
+  // Replaces the model by what the loader makes of the files: instance n is then slice n of the first stack.
+  bool scan() {
+    auto scanned = scanStudy({dir.path().string()});
+    EXPECT_TRUE(scanned.ok()) << (scanned.ok() ? "" : scanned.error().text());
+    if (!scanned) return false;
+    set = std::move(scanned).value();
+    const bool one = set.series.size() == 1 && set.series[0].stacks.size() == 1;
+    EXPECT_TRUE(one);
+    return one;
+  }
   std::filesystem::path file(std::size_t n) const { return set.files[n].path; }
 };
 

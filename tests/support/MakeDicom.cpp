@@ -41,6 +41,20 @@ void putUs(DcmItem& item, const DcmTagKey& key, int value) {
   check(item.putAndInsertUint16(key, static_cast<Uint16>(value)), "attribute");
 }
 
+// Attributes that are US or SS by the sign of the pixels (padding, smallest and largest value) take an integer.
+void putAny(DcmItem& item, const DcmTagKey& key, const std::string& value, bool isSigned) {
+  DcmTag tag(key);
+  if (tag.getEVR() != EVR_xs) return put(item, key, value);
+  const int number = std::stoi(value);
+  if (isSigned) {
+    tag.setVR(DcmVR(EVR_SS));
+    check(item.putAndInsertSint16(tag, static_cast<Sint16>(number)), "attribute");
+  } else {
+    tag.setVR(DcmVR(EVR_US));
+    check(item.putAndInsertUint16(tag, static_cast<Uint16>(number)), "attribute");
+  }
+}
+
 void putPixels(DcmDataset& d, const DicomSlice& s) {
   const auto count = static_cast<std::size_t>(s.rows) * static_cast<std::size_t>(s.columns) *
                      static_cast<std::size_t>(s.samplesPerPixel) * static_cast<std::size_t>(s.frames);
@@ -94,7 +108,7 @@ void writeDicom(const std::filesystem::path& file, const DicomSlice& s) {
   put(d, DCM_RescaleIntercept, numbers(std::array<double, 1>{s.intercept}));
   put(d, DCM_RescaleSlope, numbers(std::array<double, 1>{s.slope}));
   putPixels(d, s);
-  for (const auto& [tag, value] : s.set) put(d, keyOf(tag), value);
+  for (const auto& [tag, value] : s.set) putAny(d, keyOf(tag), value, s.isSigned);
   for (const std::string& tag : s.erase) d.findAndDeleteElement(keyOf(tag));
 
   const E_TransferSyntax syntax = DcmXfer(s.transferSyntaxUid.c_str()).getXfer();
