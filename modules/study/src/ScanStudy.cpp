@@ -54,10 +54,13 @@ Result<void> readInto(FileRecord& file, Scanned& out, bool resolveDirectory) {
     if (h.damage) return *h.damage;
     return {};
   }
+  if (h.damage && !h.find(0x00080016) && !h.pixels) {
+    file.kind = FileKind::Unreadable;  // too little was read to say what object it is
+    return *h.damage;
+  }
   Record r = recordFrom(h);
   if (r.instance.sopClassUid.empty() && !r.instance.isImage) {
-    file.kind = h.damage ? FileKind::Unreadable : FileKind::NoSopClass;
-    if (h.damage) return *h.damage;
+    file.kind = FileKind::NoSopClass;
     return makeError(ErrorCode::NotDicom,
                      "The file reads as DICOM but does not say what object it is (no SOP Class); "
                      "it is left out.");

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The header reader on hand-made bytes: every encoding, and every way in which a file may lie.
+#include "Header.h"
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include "Attributes.h"
+#include "HeaderBytes.h"
+#include "vernier/study/Limits.h"
+
+namespace vernier {
+namespace {
+using test::Bytes;
+using test::kUndefinedLength;
+
+Header read(const Bytes& b) {
+  const auto source = memorySource(b.span());
+  auto h = readHeader(*source);
+  EXPECT_TRUE(h) << h.error().text();
+  return h ? std::move(*h) : Header();
+}
+std::string text(const Header& h, Tag t) {
+  const Element* e = h.find(t);
+  return e ? std::string(rawText(h, *e)) : "(absent)";
+}
+
+TEST(Header, ExplicitLittleEndianUpToThePixels) {
+  Bytes b;
+  b.part10().ctObject().element(0x10, 0x10, "PN", "Doe^J");
+  b.longHead(0x7FE0, 0x10, "OW", 4).raw("abcd");
+  const Header h = read(b);
+  EXPECT_TRUE(h.part10);
+  EXPECT_FALSE(h.damage);
+  EXPECT_EQ(text(h, 0x00100010), "Doe^J");
+  ASSERT_TRUE(h.pixels);
+  EXPECT_FALSE(h.pixels->encapsulated);
+  EXPECT_EQ(h.pixels->bytesThere, 4u);
+}
+
+TEST(Header, ImplicitLittleEndian) {
+  Bytes b;
+  b.part10("1.2.840.10008.1.2").tag(8, 0x60).u32(2).raw("MR").tag(0x28, 0x10).u32(2).u16(512);
+  const Header h = read(b);
+  EXPECT_EQ(text(h, 0x00080060), "MR");
+  EXPECT_EQ(word(h, *h.find(0x00280010)), 512);
+}
+
+TEST(Header, BigEndian) {
+  Bytes b;
+  b.part10("1.2.840.10008.1.2.2");
+  b.raw({0, 8, 0, 0x60, 'C', 'S', 0, 2, 'M', 'R', 0, 0x28, 0, 0x10, 'U', 'S', 0, 2, 2, 0});
+  const Header h = read(b);
+  EXPECT_TRUE(h.encoding.bigEndian);
+  EXPECT_EQ(text(h, 0x00080060), "MR");
+  EXPECT_EQ(word(h, *h.find(0x00280010)), 512);
+}
+
+TEST(Header, DeclaredExplicitButWrittenImplicitIsReadAndTold) {
+  Bytes b;
+  b.part10().tag(8, 0x60).u32(2).raw("MR");
+  const Header h = read(b);
+  EXPECT_TRUE(h.contradictsSyntax);
+  EXPECT_EQ(text(h, 0x00080060), "MR");
+}
+
+std::string deflated(const std::string& in) {
+  std::string out(in.size() + 1024, '\0');
+  z_stream z{};
+  EXPECT_EQ(deflateInit2(&z, 9, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(in.data()));
+  z.avail_in = static_cast<uInt>(in.size());
+  z.next_out = reinterpret_cast<Bytef*>(out.data());
+  z.avail_out = static_cast<uInt>(out.size());
+  EXPECT_EQ(deflate(&z, Z_FINISH), Z_STREAM_END);
+  out.resize(z.total_out);
+  deflateEnd(&z);
+  return out;
+}
+
+TEST(Header, Deflated) {
+  Bytes inner;
+  inner.ctObject().longHead(0x7FE0, 0x10, "OW", 6).raw("abcdef");
+  Bytes b;
+  b.part10("1.2.840.10008.1.2.1.99").raw(deflated(inner.data));
+  const Header h = read(b);
+  EXPECT_EQ(text(h, 0x00080060), "CT");
+  ASSERT_TRUE(h.pixels);
+  EXPECT_EQ(h.pixels->bytesThere, 6u);
+}
+
+TEST(Header, DeflatedBombIsRefused) {
+  Bytes inner;
+  inner.ctObject().longHead(9, 0x1001, "OB", 32 << 20).raw(std::string(32 << 20, '\0'));
+  Bytes b;
+  b.part10("1.2.840.10008.1.2.1.99").raw(deflated(inner.data));
+  const auto source = memorySource(b.span());
+  const auto h = readHeader(*source);
+  ASSERT_TRUE(h);
+  ASSERT_TRUE(h->damage);
+  EXPECT_EQ(h->damage->code, ErrorCode::LimitExceeded);
+  EXPECT_LT(h->bytes.size(), std::size_t{4} << 20);
+}
+
+TEST(Header, NestedSequencesAreSkippedAndTheRestIsRead) {
+  Bytes b;
+  b.part10().ctObject();
+  b.longHead(8, 0x1140, "SQ", kUndefinedLength).item(kUndefinedLength).element(8, 0x1155, "UI", "1.2");
+  b.longHead(8, 0x1199, "SQ", kUndefinedLength)
+      .item(14)
+      .element(8, 0x1150, "UI", "1.2.3 ")
+      .itemEnd()
+      .sequenceEnd();
+  b.itemEnd().sequenceEnd().element(0x10, 0x20, "LO", "ID");
+  const Header h = read(b);
+  EXPECT_FALSE(h.damage);
+  EXPECT_EQ(text(h, 0x00100020), "ID");
+  const auto items = itemsOf(h, *h.find(0x00081140));
+  ASSERT_EQ(items.size(), 1u);
+  ASSERT_EQ(items[0].size(), 2u);
+  EXPECT_EQ(rawText(h, items[0][0]), "1.2");
+  const auto inner = itemsOf(h, items[0][1]);
+  ASSERT_EQ(inner.size(), 1u);
+  EXPECT_EQ(rawText(h, inner[0].at(0)), "1.2.3");
+}
+
+TEST(Header, UnknownVrOfUndefinedLengthIsImplicitInside) {
+  Bytes b;
+  b.part10().ctObject().longHead(9, 0x1002, "UN", kUndefinedLength).item(kUndefinedLength);
+  b.tag(8, 0x1150).u32(4).raw("1.2 ").itemEnd().sequenceEnd().element(0x10, 0x20, "LO", "ID");
+  const Header h = read(b);
+  EXPECT_EQ(text(h, 0x00100020), "ID");
+  const auto items = itemsOf(h, *h.find(0x00091002));
+  ASSERT_EQ(items.size(), 1u);
+  EXPECT_EQ(rawText(h, items[0].at(0)), "1.2");
+}
+
+Bytes nested(int depth) {
+  Bytes b;
+  b.part10().ctObject();
+  for (int i = 0; i < depth; ++i) b.longHead(8, 0x1140, "SQ", kUndefinedLength).item(kUndefinedLength);
+  for (int i = 0; i < depth; ++i) b.itemEnd().sequenceEnd();
+  b.element(0x10, 0x20, "LO", "ID");
+  return b;
+}
+
+TEST(Header, DepthAtAndOverTheLimit) {
+  EXPECT_FALSE(read(nested(limits::kMaxSequenceDepth)).damage);
+  EXPECT_EQ(text(read(nested(limits::kMaxSequenceDepth)), 0x00100020), "ID");
+  for (const int depth : {limits::kMaxSequenceDepth + 1, 15000}) {
+    const Header h = read(nested(depth));
+    ASSERT_TRUE(h.damage) << depth;
+    EXPECT_EQ(h.damage->code, ErrorCode::LimitExceeded);
+    EXPECT_EQ(text(h, 0x00080060), "CT");  // what came before stands
+  }
+}
+
+TEST(Header, LengthsThatTheFileDoesNotHold) {
+  for (const std::uint32_t length : {0xFFFFFFFEu, 0x7FFFFFFFu, 1000u}) {
+    Bytes b;
+    b.part10().ctObject().longHead(9, 0x1001, "OB", length).raw("abcd");
+    const Header h = read(b);
+    ASSERT_TRUE(h.damage) << length;
+    EXPECT_EQ(h.damage->code, ErrorCode::FileDamaged);
+    EXPECT_EQ(text(h, 0x00080060), "CT");
+  }
+  Bytes inside;
+  inside.part10().ctObject().longHead(8, 0x1140, "SQ", kUndefinedLength).item(kUndefinedLength);
+  inside.longHead(8, 0x1199, "OB", 0xFFFFFFF0).raw("ab");
+  EXPECT_TRUE(read(inside).damage);
+}
+
+TEST(Header, PixelDataCutShortSaysHowManyBytesAreThere) {
+  Bytes b;
+  b.part10().ctObject().longHead(0x7FE0, 0x10, "OW", 100).raw("abcd");
+  const Header h = read(b);
+  ASSERT_TRUE(h.pixels);
+  EXPECT_EQ(h.pixels->bytesThere, 4u);
+}
+
+TEST(Header, CutAnywhereNeverFails) {
+  Bytes b = nested(5);
+  b.longHead(0x7FE0, 0x10, "OW", 4).raw("abcd");
+  for (std::size_t n = 0; n <= b.data.size(); ++n) {
+    Bytes part;
+    part.raw(b.data.substr(0, n));
+    const auto source = memorySource(part.span());
+    const auto h = readHeader(*source);
+    if (h)
+      (void)recordFrom(*h);
+    else
+      EXPECT_FALSE(h.error().sentence.empty());
+  }
+}
+
+TEST(Header, WithoutPreambleOnlyAPlausibleStart) {
+  Bytes plain;
+  plain.ctObject();
+  EXPECT_EQ(text(read(plain), 0x00080060), "CT");
+  EXPECT_FALSE(read(plain).part10);
+  Bytes meta;
+  meta.element(2, 2, "UI", "1.2.3")
+      .element(2, 3, "UI", "1.2.4")
+      .element(2, 0x10, "UI", "1.2.840.10008.1.2.1")
+      .ctObject();
+  EXPECT_EQ(text(read(meta), 0x00080060), "CT");
+  const std::string elf = std::string(
+                              "\x7f"
+                              "ELF\x02\x01\x01",
+                              7) +
+                          std::string(200, '\0');
+  const std::string zeros(500, '\0'),
+      prose = "Dear reader, this is text and nothing else. " + std::string(200, 'x');
+  for (const std::string& no :
+       {std::string(), std::string("a"), elf, "MZ" + std::string(300, '\x90'), zeros, prose}) {
+    Bytes b;
+    b.raw(no);
+    const auto source = memorySource(b.span());
+    const auto h = readHeader(*source);
+    ASSERT_FALSE(h);
+    EXPECT_EQ(h.error().code, ErrorCode::NotDicom);
+  }
+}
+
+TEST(Header, RowsOfAnotherVrAreALie) {
+  Bytes b;
+  b.part10().ctObject().element(0x28, 2, "US", std::string("\1\0", 2)).element(0x28, 4, "CS", "MONOCHROME2");
+  b.element(0x28, 0x10, "UL", std::string("\4\0\0\0", 4)).element(0x28, 0x11, "US", std::string("\4\0", 2));
+  b.element(0x28, 0x100, "US", std::string("\x10\0", 2)).element(0x28, 0x101, "US", std::string("\x10\0", 2));
+  b.element(0x28, 0x102, "US", std::string("\xf\0", 2)).element(0x28, 0x103, "US", std::string("\0\0", 2));
+  b.longHead(0x7FE0, 0x10, "OW", 32).raw(std::string(32, '\0'));
+  const Record r = recordFrom(read(b));
+  ASSERT_TRUE(r.instance.pixelError);
+  EXPECT_EQ(r.instance.pixelError->code, ErrorCode::PixelDescriptionInvalid);
+  EXPECT_NE(r.instance.pixelError->sentence.find("UL"), std::string::npos);
+}
+
+TEST(Attributes, DecimalStrings) {
+  EXPECT_EQ(parseDecimal("1.5"), 1.5);
+  EXPECT_EQ(parseDecimal("+1.5e-3"), 1.5e-3);
+  EXPECT_EQ(parseDecimal("-0"), 0);
+  EXPECT_FALSE(parseDecimal(""));
+  EXPECT_FALSE(parseDecimal("1,5"));
+  EXPECT_FALSE(parseDecimal("1.5mm"));
+  EXPECT_EQ(parseInteger("+12"), 12);
+  EXPECT_FALSE(parseInteger("12.0"));
+}
+
+}  // namespace
+}  // namespace vernier
