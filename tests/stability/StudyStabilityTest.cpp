@@ -216,7 +216,9 @@ TEST(Stability, A12_ImagesOfOneRowOrColumn) {
     DicomSlice s;
     s.rows = rows;
     s.columns = columns;
-    const Loaded l = load(3, {0, 0, 1}, s);
+    const TempDir dir;
+    writeSeries(dir.path(), 3, {0, 0, 1}, s);
+    const Loaded l{scan(dir.path())};
     EXPECT_TRUE(l.stack().volume3d);
     EXPECT_EQ(l.stack().grid.rows, rows);
     EXPECT_EQ(l.stack().grid.columns, columns);
