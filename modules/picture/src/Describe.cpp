@@ -79,8 +79,9 @@ void describeStack(const VolumeInfo& info, const SliceLayer& layer, const SliceP
 TextLine windowLine(const VoiWindow& w, const std::string& unit, bool inverted) {
   const std::string both = "C " + plainNumber(w.center, 5) + " W " + plainNumber(w.width, 5);
   const std::string suffix = inverted ? ", inverted" : "";
-  return plain(both + (unit.empty() || unit == "stored value" ? "" : " " + unit) + suffix,
-               both + (inverted ? " inv" : ""));
+  // Some files spell their unit out in a sentence: that has no room on a picture.
+  const bool named = !unit.empty() && unit != "stored value" && unit.size() <= 10;
+  return plain(both + (named ? " " + unit : "") + suffix, both + (inverted ? " inv" : ""));
 }
 
 // To two digits, never below: what is printed must hold.

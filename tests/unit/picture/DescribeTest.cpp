@@ -41,6 +41,9 @@ TEST(Describe, SaysPlaneNumberWindowAndLetters) {
   EXPECT_THAT(texts(a.status), ElementsAre("C 40 W 400 HU"));
   EXPECT_EQ(a.letters, (EdgeLetters{"R", "L", "A", "P"}));
   EXPECT_DOUBLE_EQ(a.mmPerPixel, 0.25);
+  VolumeInfo mr = headOf(28, 1);
+  mr.unit = "SIGNAL INTENSITY (UNITLESS)";
+  EXPECT_THAT(texts(described(mr, "axial").status), ElementsAre("C 40 W 400")) << "too long for a picture";
   PresetOptions options;
   options.slice = 0;
   EXPECT_EQ(described(headOf(28, 1), "coronal", options).what[0].text, "MPR coronal 1/64");
