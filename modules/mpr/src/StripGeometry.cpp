@@ -89,6 +89,15 @@ std::int64_t sliceOf(const GridGeometry& g, const Extent& e) {
 
 }  // namespace
 
+double areaOf(const Outline& o) {
+  double twice = 0;
+  for (std::size_t n = 0; n < o.size(); ++n) {
+    const glm::dvec2 a = o[n], b = o[(n + 1) % o.size()];
+    twice += a.x * b.y - a.y * b.x;
+  }
+  return std::abs(twice) / 2;
+}
+
 std::vector<StackPart> partsOf(const GridGeometry& g) {
   const double half = 0.5 + kBorderTolerance_vox;
   const std::int64_t last = g.slices - 1;

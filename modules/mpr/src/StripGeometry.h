@@ -37,6 +37,8 @@ struct Margin {
 
 using Outline = std::vector<glm::dvec2>;  // a convex polygon; empty: nothing
 
+double areaOf(const Outline&);  // square pixels
+
 // The plane within the picture and the volume's box with its border of half a voxel, all widened by the
 // margin.
 Outline crossSection(const VoxelPlane&, const GridGeometry&, int width_px, int height_px, Margin);

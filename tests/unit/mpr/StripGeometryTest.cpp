@@ -13,15 +13,6 @@ namespace {
 using vernier::test::everyGrid;
 using vernier::test::unitGrid;
 
-double areaOf(const Outline& o) {
-  double twice = 0;
-  for (std::size_t n = 0; n < o.size(); ++n) {
-    const glm::dvec2 a = o[n], b = o[(n + 1) % o.size()];
-    twice += a.x * b.y - a.y * b.x;
-  }
-  return std::abs(twice) / 2;
-}
-
 TEST(StripGeometry, TheDiagonalOfACubeIsARegularHexagon) {
   const GridGeometry g = unitGrid(10, 10, 10);
   // Through the centre 4.5, normal (1, 1, 1); the box has edges of 10 with its border.
