@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <string_view>
 
+#include "LossyPadding.h"
 #include "Percentile.h"
 #include "Range.h"
 #include "StackFacts.h"
@@ -73,6 +75,23 @@ std::optional<Volume::Range> percentilesOf(const ImageFrameInfo& i, const std::b
   }
   const std::byte* const bytes = reinterpret_cast<const std::byte*>(values.data());
   return percentiles1And99(VoxelType::F32, {{bytes, values.size(), {}}}, std::nullopt);
+}
+
+// Padding that lossy compression has blurred would widen the window of a CT; the frame itself keeps its
+// stored pixels.
+std::optional<Volume::Range> percentilesWithoutBlur(const ImageFrameInfo& i, const Buffer& pixels,
+                                                    const Instance& instance) {
+  const std::optional<NoDataRange> declared = paddingOf(instance);
+  const bool lossyCt =
+      instance.lossy && i.modality == "CT" && i.unit == "HU" && !i.modalityLut && i.rescale.slope > 0;
+  if (!lossyCt) return percentilesOf(i, pixels.data(), declared);
+  const NoDataRange padding = declared.value_or(blurredPaddingOf(i.type));
+  auto copy = Buffer::make(pixels.size());
+  if (!copy) return std::nullopt;
+  std::memcpy(copy->data(), pixels.data(), pixels.size());
+  markBlurredPadding(i.type, copy->data(), i.columns, i.rows, padding,
+                     (kLeastTissue_hu - i.rescale.intercept) / i.rescale.slope, padding.first);
+  return percentilesOf(i, copy->data(), padding);
 }
 
 ImageFrameInfo describe(const Series& series, const Stack& stack, std::size_t slice, const Instance& i,
@@ -159,7 +178,7 @@ Result<std::shared_ptr<const ImageFrame>> build(const StudySet& set, const Serie
     std::optional<VoiWindow> window;
     if (info.windows.empty() && info.voiLuts.empty() && !perImage) window = windowOfStack(set, stack);
     const std::byte* const data = pixels->buffer.data();
-    auto range = percentilesOf(info, data, paddingOf(i));
+    auto range = percentilesWithoutBlur(info, pixels->buffer, i);
     if (!range) range = percentilesOf(info, data, info.noData);  // nothing but tissue-range padding
     info.autoWindow = window.value_or(windowOver(range, leastWidth(info.type, info.rescale)));
   }

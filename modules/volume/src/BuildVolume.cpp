@@ -23,8 +23,6 @@
 namespace vernier {
 namespace {
 
-constexpr double kLeastTissue_hu = -1024;
-
 class Builder {
  public:
   Builder(const StudySet& set, const Series& series, const Stack& stack, const BuildOptions& options)
@@ -228,12 +226,8 @@ class Builder {
     if (lossyCt) markBlurred();
   }
 
-  // Without a padding value the lowest value of the type, which lies below every tissue, becomes it.
   void markBlurred() {
-    const double lowest = withVoxels(info_.type, voxels_.data(), [](const auto* v) {
-      return static_cast<double>(std::numeric_limits<std::remove_cvref_t<decltype(*v)>>::lowest());
-    });
-    const NoDataRange padding = info_.noData.value_or(NoDataRange{lowest, lowest});
+    const NoDataRange padding = info_.noData.value_or(blurredPaddingOf(info_.type));
     std::atomic<std::uint64_t> changed{0};
     parallelFor(kept_.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t s = begin; s < end; ++s) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "LossyPadding.h"
 
+#include <limits>
 #include <vector>
 
 #include "VoxelAccess.h"
@@ -42,6 +43,13 @@ std::uint64_t fill(T* v, std::int64_t columns, std::int64_t rows, const NoDataRa
 }
 
 }  // namespace
+
+NoDataRange blurredPaddingOf(VoxelType type) {
+  const double lowest = withVoxels(type, nullptr, [](const auto* v) {
+    return static_cast<double>(std::numeric_limits<std::remove_cvref_t<decltype(*v)>>::lowest());
+  });
+  return {lowest, lowest};
+}
 
 std::uint64_t markBlurredPadding(VoxelType type, std::byte* slice, std::int64_t columns, std::int64_t rows,
                                  const NoDataRange& padding, double threshold, double paddingValue) {

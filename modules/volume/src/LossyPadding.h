@@ -9,6 +9,11 @@
 
 namespace vernier {
 
+inline constexpr double kLeastTissue_hu = -1024;
+
+// The padding of a CT that declares none: the lowest value of its type, which lies below every tissue.
+NoDataRange blurredPaddingOf(VoxelType);
+
 // Sets those voxels of one slice to `paddingValue` and returns how many were changed. The fill starts at the
 // slice's border and walks over 4 neighbours through voxels that are padding already or lie below
 // `threshold`, both in stored values.

@@ -103,6 +103,23 @@ TEST(BuildFrame, FramesOfOneObject) {
   EXPECT_EQ((*f)->info().plane->origin, PatientPoint(0, 0, 4));
 }
 
+// Blurred padding around a lossy CT: out of the automatic window, but the frame shows the pixels of the file.
+TEST(BuildFrame, BlurredPaddingIsOutOfTheWindowOnly) {
+  HandMadeStudy s;
+  test::DicomSlice d;
+  d.rows = d.columns = 3;
+  d.pixels = {-2000, -1990, -2000, -1500, 40, -1300, -2001, -2000, -1999};
+  makeStudy(s, {d});
+  s.instance(0).lossy = true;
+  s.instance(0).windows = {{1, 10, VoiFunction::Linear, ""}};
+  const auto f = build(s, 0);
+  ASSERT_TRUE(f.ok());
+  EXPECT_EQ((*f)->stored(1, 0), -1990);
+  EXPECT_EQ((*f)->info().autoWindow.center, 40);
+  s.instance(0).lossy = false;
+  EXPECT_LT((*build(s, 0))->info().autoWindow.center, 0);
+}
+
 TEST(BuildFrame, RefusesWithASentence) {
   HandMadeStudy s;
   makeStudy(s, countingSlices(2));

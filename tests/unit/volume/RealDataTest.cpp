@@ -117,6 +117,7 @@ VERNIER_FOLDER_TEST(MrBrainFse, "mr_brain_fse_series", 1)
 VERNIER_FOLDER_TEST(GeometryFaults, "geometry_faults", 1)
 VERNIER_FOLDER_TEST(OneSeriesFourSyntaxes, "codec_one_series_4_syntaxes", 1)
 VERNIER_FOLDER_TEST(SegWithSource, "seg_sr_with_source", 0)
+VERNIER_FOLDER_TEST(RtStructWithCt, "rtstruct_with_ct", 0)
 VERNIER_FOLDER_TEST(DicomdirTree, "dicomdir_tree", 0)
 
 // Every grey image of the folders, as a frame: extrema of what it shows against the files.
@@ -125,6 +126,7 @@ void checkFrames(const std::string& folder) {
   const auto set = scanStudy({(test::dataDir() / folder).string()});
   ASSERT_TRUE(set.ok());
   int frames = 0;
+  std::map<std::string, int> refused;
   for (const Series& series : set->series)
     for (const Stack& stack : series.stacks)
       for (std::size_t s = 0; s < std::min<std::size_t>(stack.slices.size(), 6); ++s) {
@@ -133,6 +135,7 @@ void checkFrames(const std::string& folder) {
         const auto f = buildImageFrame(*set, series, stack, s);
         if (!f.ok()) {
           EXPECT_FALSE(f.error().sentence.empty());
+          ++refused[std::string(errorName(f.error().code))];
           continue;
         }
         ++frames;
@@ -151,6 +154,7 @@ void checkFrames(const std::string& folder) {
       }
   EXPECT_GT(frames, 0);
   std::cout << "[  NOTE    ] " << folder << ": " << frames << " frames\n";
+  for (const auto& [code, n] : refused) std::cout << "[  NOTE    ]   " << n << " x " << code << "\n";
 }
 
 TEST(RealFrames, CodecSmallSingles) {
