@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "Annotations.h"
+
+#include "vernier/picture/Quantise.h"
+#include "vernier/volume/Voi.h"
+
+namespace vernier::app {
+namespace {
+
+Result<Annotations> describeLayer(Session& session, const SliceLayer& layer, const Scene& scene, const View& view) {
+  const auto volume = session.volume(layer.source);
+  if (!volume) return volume.error();
+  const Result<SlicePicture> picture = slicePicture(layer, scene.camera, view, **volume);
+  if (!picture) return picture.error();
+  const VoiWindow window = layer.window && usableWindow(*layer.window) ? *layer.window : defaultWindow(**volume);
+  return describeSlice(layer, *picture, (*volume)->info(), window);
+}
+
+Result<Annotations> describeLayer(Session& session, const ImageLayer& layer, const Scene& scene, const View& view) {
+  const auto image = session.image(layer.source, layer.index);
+  if (!image) return image.error();
+  const ImageFrameInfo& info = (*image)->info();
+  const VoiWindow window = layer.window && usableWindow(*layer.window) ? *layer.window
+                           : !info.windows.empty()                     ? info.windows.front()
+                                                                       : info.autoWindow;
+  return describeImage(layer, imagePicture(layer, scene.camera, view, **image), info, window);
+}
+
+}  // namespace
+
+Result<Annotations> annotationsFor(Session& session, const Scene& scene, const View& view, const Rendered& r,
+                                   std::optional<double> limit) {
+  Annotations a;
+  for (auto layer = scene.layers.rbegin(); layer != scene.layers.rend(); ++layer) {  // the topmost that is drawn
+    std::optional<Result<Annotations>> said;
+    if (const auto* slice = std::get_if<SliceLayer>(&*layer)) said = describeLayer(session, *slice, scene, view);
+    if (const auto* image = std::get_if<ImageLayer>(&*layer)) said = describeLayer(session, *image, scene, view);
+    if (!said) continue;
+    if (!*said) return said->error();
+    a = std::move(**said);
+    break;
+  }
+  for (const std::string& note : r.plan.notes) a.what.push_back({note, "", Tone::Amber});
+  if (r.error && r.error->bound) {
+    TextLine line = errorLine(*r.error->bound, static_cast<int>(100 * r.error->share), limit);
+    if (!r.goalNote.empty()) line.text += ", " + r.goalNote, line.tone = Tone::Amber;
+    a.status.insert(a.status.begin(), line);
+  }
+  return a;
+}
+
+Result<Picture> finishedPicture(Session& session, const Scene& scene, const View& view, const Rendered& r,
+                                std::optional<double> limit, double scale) {
+  Picture picture = quantise(r.frame.images);
+  const Result<Annotations> a = annotationsFor(session, scene, view, r, limit);
+  if (!a) return a.error();
+  annotate(picture, *a, scale);
+  return picture;
+}
+
+}  // namespace vernier::app

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <iostream>
+
+#include "Cli.h"
+#include "InfoJson.h"
+
+namespace vernier::app {
+namespace {
+struct Options {
+  std::vector<std::string> inputs;
+  bool json = false;
+  bool pixels = false;
+};
+
+int run(const GlobalOptions& global, const Options& o) {
+  const auto session = makeSession(global);
+  if (!session) return 2;
+  if (const Result<void> opened = session->open(o.inputs, terminalProgress(global), interruptToken()); !opened)
+    return report(opened.error());
+  InfoOptions info;
+  info.pixels = o.pixels;
+  const StudySet& study = session->study();
+  std::cout << (o.json ? infoJson(study, info) : infoText(study)) << std::flush;
+  if (study.instances.empty() && !session->isMetaImage()) {
+    if (study.files.size() == 1 && study.files[0].error) return report(*study.files[0].error);
+    return report(makeError(ErrorCode::NothingToLoad, "No DICOM object was found among " +
+                                                          std::to_string(study.files.size()) + " files.",
+                            o.inputs.front()));
+  }
+  return std::cout.good() ? 0 : 1;
+}
+}  // namespace
+
+Command addInfo(CLI::App& app, GlobalOptions& global) {
+  const auto o = std::make_shared<Options>();
+  CLI::App* sub = app.add_subcommand("info", "Patients, studies, series, geometry and findings of an input");
+  sub->add_option("INPUT", o->inputs, "Files or folders")->required();
+  sub->add_flag("--json", o->json, "JSON on standard output");
+  sub->add_flag("--pixels", o->pixels, "Decode all images too: SHA-256, extrema, probes (JSON only)");
+  sub->footer("Examples:\n  vernier info STUDY\n  vernier info STUDY --json --pixels > facts.json");
+  return {sub, [&global, o] { return run(global, *o); }};
+}
+
+}  // namespace vernier::app

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// vernier render: one picture as PNG, its report, its plan.
+#include <openssl/sha.h>
+
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+
+#include "Annotations.h"
+#include "Report.h"
+#include "vernier/picture/Png.h"
+#include "vernier/picture/Quantise.h"
+#include "vernier/picture/WriteFile.h"
+
+namespace vernier::app {
+namespace {
+using Clock = std::chrono::steady_clock;
+double msSince(Clock::time_point t) { return std::chrono::duration<double, std::milli>(Clock::now() - t).count(); }
+
+struct Options {
+  ViewOptions view;
+  std::string out, report;
+  bool explain = false, noLetters = false;
+  double scale = 1;
+};
+
+std::string sha256(const std::vector<std::uint8_t>& bytes) {
+  unsigned char digest[SHA256_DIGEST_LENGTH];
+  SHA256(bytes.data(), bytes.size(), digest);
+  std::string hex;
+  for (unsigned char d : digest) {
+    hex += "0123456789abcdef"[d >> 4];
+    hex += "0123456789abcdef"[d & 15];
+  }
+  return hex;
+}
+
+// No output file may be one of the files that were read.
+Result<void> keepSources(const Session& session, const std::vector<std::string>& inputs, const std::string& output,
+                         const char* option) {
+  std::error_code ec;
+  if (output.empty() || !std::filesystem::exists(output, ec)) return {};
+  const auto same = [&](const std::string& p) { return std::filesystem::equivalent(p, output, ec) && !ec; };
+  bool hit = std::any_of(inputs.begin(), inputs.end(), same);
+  for (const FileRecord& f : session.study().files) hit = hit || same(f.path);
+  if (hit)
+    return makeError(ErrorCode::WouldOverwriteSource, "The output would overwrite a file of the input; name another.",
+                     option);
+  return {};
+}
+
+int run(const GlobalOptions& global, const Options& o) {
+  const Result<Settings> settings = readSettings(global.flags);
+  if (!settings) return report(settings.error());
+  const auto session = makeSession(global);
+  if (!session) return 2;
+  const std::stop_token stop = interruptToken();
+  const auto begin = Clock::now();
+  if (const Result<void> r = session->open(o.view.inputs, terminalProgress(global), stop); !r) return report(r.error());
+  for (const auto& [file, option] : {std::pair{o.out, "--out"}, std::pair{o.report, "--report"}})
+    if (const Result<void> r = keepSources(*session, o.view.inputs, file, option); !r) return report(r.error());
+  Result<RenderRequest> request = makeRequest(*session, o.view, *settings, terminalProgress(global), stop);
+  if (!request) return report(request.error());
+  request->options.explain = o.explain;
+  ReportInput in;
+  in.timing.load_ms = msSince(begin);
+
+  const auto frameBegin = Clock::now();
+  Result<Rendered> rendered = session->render(request->scene, request->view, request->quality, request->options, stop);
+  if (!rendered) return report(rendered.error());
+  in.timing.first_frame_ms = msSince(frameBegin);
+  in.timing.frame_ms = {rendered->frame.render_ms};
+  if (o.explain) std::cout << dumpPlan(rendered->plan) << std::flush;
+
+  if (!o.out.empty()) {
+    Result<Picture> picture = o.noLetters ? Result<Picture>(quantise(rendered->frame.images))
+                                          : finishedPicture(*session, request->scene, request->view, *rendered,
+                                                            o.view.maxError, o.scale);
+    if (!picture) return report(picture.error());
+    if (const Result<void> r = writePng(o.out, *picture); !r) return report(r.error());
+  }
+  if (!o.report.empty()) {
+    in.session = session.get();
+    in.request = &*request;
+    in.rendered = &*rendered;
+    in.imageSha256 = sha256(quantise(rendered->frame.images).pixels);
+    const std::string json = reportJson(in);
+    if (const Result<void> r = writeFileWhole(o.report, json); !r) return report(r.error());
+  }
+  for (const std::string& note : rendered->plan.notes) std::cerr << "vernier: note: " << note << "\n";
+  if (o.view.maxError && !rendered->goalReached)
+    return report(makeError(ErrorCode::OutOfTolerance,
+                            "The error asked for was not met (" + rendered->goalNote + " of 255).", "--max-error"));
+  return 0;
+}
+}  // namespace
+
+Command addRender(CLI::App& app, GlobalOptions& global) {
+  const auto o = std::make_shared<Options>();
+  CLI::App* sub = app.add_subcommand("render", "Draw one picture, with its measured error");
+  addViewOptions(*sub, o->view);
+  sub->add_option("--out", o->out, "Picture, PNG");
+  sub->add_option("--report", o->report, "What was drawn, how, how long it took and how exact it is, JSON");
+  sub->add_flag("--explain", o->explain, "Print the plan: passes, resources, and what was rejected and why");
+  sub->add_flag("--no-letters", o->noLetters, "Only the image, without letters, scale and text");
+  sub->add_option("--scale", o->scale, "Size of the letters, 1 to 3")->check(CLI::Range(1.0, 3.0));
+  sub->footer(
+      "Examples:\n"
+      "  vernier render STUDY --view stack --slice 12 --out slice.png\n"
+      "  vernier render STUDY --view axial --preset brain --out axial.png --report axial.json\n"
+      "  vernier render STUDY --view slab --slab 10 --slab-mode max --quality reference --out mip.png\n"
+      "  vernier render STUDY --view oblique --plane point=0,0,0,normal=1,0,1,up=0,0,1 --explain\n"
+      "  vernier render head.mhd --view coronal --engine gl --out coronal.png");
+  return {sub, [&global, o] { return run(global, *o); }};
+}
+
+}  // namespace vernier::app

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Session: the one door. Opens studies, builds volumes, plans and renders; no globals, no argv, no exit(). Command
+// line, window, goldens, fuzzers and benchmarks use only this. Call from one thread; render() runs its passes on the
+// session's render thread, which alone touches GL.
+#pragma once
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "PluginHost.h"
+#include "vernier/base/Progress.h"
+#include "vernier/plan/MakePlan.h"
+#include "vernier/quality/Ladder.h"
+#include "vernier/study/Load.h"
+#include "vernier/volume/Build.h"
+
+namespace vernier::app {
+
+struct SessionOptions {
+  int threads = 0;                          // 0 = all cores
+  std::uint64_t memory_mb = 0;              // 0 = half of what is free
+  std::vector<std::string> pluginFolders;   // besides the install folder
+};
+
+// One picture with all that is known of it.
+struct Rendered {
+  Frame frame;
+  Plan plan;
+  std::optional<quality::ErrorReport> error;   // when asked for
+  double step = 1;                             // Quality::step that the picture was drawn with
+  bool goalReached = true;                     // false: the closed loop stopped above the goal
+  std::string goalNote;                        // "goal not reached: 0.9", or empty
+};
+
+struct RenderOptions {
+  bool measure = true;                  // measure the error of the picture
+  quality::ErrorOptions error;
+  std::optional<double> goal;           // levels of 255; absent: the quality level's own (review 2, reference 0.5)
+  double timeLimit_ms = 60'000;         // of the closed loop
+  bool explain = false;                 // as in plan()
+};
+
+// Which stack of what was opened. Sources in scenes are named "" (the chosen one), "UID" or "UID#stack".
+struct StackChoice {
+  std::size_t series = 0, stack = 0;
+};
+
+class Session {
+ public:
+  explicit Session(const SessionOptions&);
+  ~Session();
+
+  // Files or folders, or one MetaImage file. Replaces what was open.
+  Result<void> open(const std::vector<std::string>& paths, const ProgressFn& = {}, std::stop_token = {});
+  const StudySet& study() const;
+  bool isMetaImage() const;
+
+  // `series`: "" = the largest stack that can be shown in 3-D, else the largest image stack; a Series Instance UID; or
+  // the position in `info`, counted from 1; each with an optional "#stack" counted from 1.
+  Result<StackChoice> choose(const std::string& series) const;
+  void use(StackChoice);                  // what source "" means from now on
+  const Series* seriesOf(StackChoice) const;
+  const Stack* stackOf(StackChoice) const;
+
+  // Builds (once) what a source names.
+  Result<std::shared_ptr<const Volume>> volume(const std::string& source, const ProgressFn& = {}, std::stop_token = {});
+  Result<std::shared_ptr<const ImageFrame>> image(const std::string& source, std::int64_t index);
+  Result<std::int64_t> imageCount(const std::string& source) const;
+  void bridgeGaps(bool);
+  // What source "" stands for, once chosen; nullptr for MetaImage or before.
+  const Series* chosenSeries() const;
+  const Stack* chosenStack() const;
+  std::shared_ptr<const Volume> builtVolume() const;  // of source "", if it has been built
+  int threadCount() const;
+  std::uint64_t derivedBytes() const;  // textures and other derived data held after the last frame
+
+  // With `explain` GL is looked for even where the plan does not need it, so that its costs stand among the rejected.
+  Result<Plan> plan(const Scene&, const View&, const Quality&, bool explain = false);
+  // `reuse` gives its buffers to the new frame. The closed loop of `review` and `reference` lowers quality.step until
+  // the measured error meets the goal; without measuring, one frame at quality.step.
+  Result<Rendered> render(const Scene&, const View&, const Quality&, const RenderOptions&, std::stop_token = {},
+                          Frame reuse = {});
+
+  // GL is looked for only when `withGl` (tens of ms); until then Capabilities::gl is false and glWhyNot says so.
+  const Capabilities& capabilities(bool withGl);
+  const std::vector<PluginInfo>& plugins() const;
+  CostTable& costs();
+  MemoryBudget& budget();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace vernier::app

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// vernier sheet: the slices of a study on one picture, with time and measured error under each.
+#include <cstdio>
+#include <iostream>
+
+#include "Annotations.h"
+#include "Report.h"
+#include "vernier/picture/ContactSheet.h"
+#include "vernier/picture/Png.h"
+
+namespace vernier::app {
+namespace {
+
+struct Options {
+  ViewOptions view;
+  std::string out, title = "Vernier";
+  std::vector<std::string> views{"stack", "axial", "coronal", "sagittal", "oblique", "slab"};
+  int columns = 3;
+};
+
+std::string shortNumber(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, x >= 10 ? "%.0f" : "%.2g", x);
+  return text;
+}
+
+// The median of a few frames: the first one also fills caches.
+Result<double> frame_ms(Session& session, const RenderRequest& r, double step, std::stop_token stop) {
+  Quality quality = r.quality;
+  quality.step = step;
+  RenderOptions options = r.options;
+  options.measure = false;
+  std::vector<double> ms;
+  Frame buffers;
+  for (int i = 0; i < 7; ++i) {
+    Result<Rendered> again = session.render(r.scene, r.view, quality, options, stop, std::move(buffers));
+    if (!again) return again.error();
+    ms.push_back(again->frame.render_ms);
+    buffers = std::move(again->frame);
+  }
+  return median(ms);
+}
+
+Result<SheetEntry> entryFor(Session& session, const Options& o, const Settings& settings, const std::string& view,
+                            const ProgressFn& progress, std::stop_token stop) {
+  ViewOptions one = o.view;
+  one.view = view;
+  const Result<RenderRequest> request = makeRequest(session, one, settings, progress, stop);
+  if (!request) return request.error();
+  const Result<Rendered> rendered = session.render(request->scene, request->view, request->quality, request->options, stop);
+  if (!rendered) return rendered.error();
+  const Result<double> ms = frame_ms(session, *request, rendered->step, stop);
+  if (!ms) return ms.error();
+  Result<Picture> picture = finishedPicture(session, request->scene, request->view, *rendered, o.view.maxError, 1.0);
+  if (!picture) return picture.error();
+  SheetEntry entry;
+  entry.picture = std::move(*picture);
+  entry.caption = view;
+  entry.lines = {shortNumber(*ms) + " ms, " + rendered->frame.technique};
+  if (rendered->error && rendered->error->bound) {
+    const quality::ErrorReport& e = *rendered->error;
+    entry.lines.push_back("99 % within " + shortNumber(*e.bound) + " of 255, max " + shortNumber(e.max) +
+                          (e.exhaustive ? " (all pixels)" : ""));
+  }
+  if (!rendered->goalNote.empty()) entry.lines.push_back(rendered->goalNote);
+  return entry;
+}
+
+int run(const GlobalOptions& global, const Options& o) {
+  const Result<Settings> settings = readSettings(global.flags);
+  if (!settings) return report(settings.error());
+  const auto session = makeSession(global);
+  if (!session) return 2;
+  const std::stop_token stop = interruptToken();
+  if (const Result<void> r = session->open(o.view.inputs, terminalProgress(global), stop); !r) return report(r.error());
+  std::vector<SheetEntry> entries;
+  std::optional<Error> last;
+  for (const std::string& view : o.views) {
+    Result<SheetEntry> entry = entryFor(*session, o, *settings, view, terminalProgress(global), stop);
+    if (entry) {
+      std::cout << view;
+      for (const std::string& line : entry->lines) std::cout << "  " << line;
+      std::cout << "\n";
+      entries.push_back(std::move(*entry));
+    } else {  // one view that cannot be shown (2-D only, say) does not lose the others
+      (void)report(entry.error());
+      last = entry.error();
+    }
+  }
+  if (entries.empty()) return last ? exitCode(last->code) : 1;
+  const Result<Picture> sheet = contactSheet(o.title, entries, o.columns);
+  if (!sheet) return report(sheet.error());
+  if (const Result<void> r = writePng(o.out, *sheet); !r) return report(r.error());
+  return 0;
+}
+}  // namespace
+
+Command addSheet(CLI::App& app, GlobalOptions& global) {
+  const auto o = std::make_shared<Options>();
+  CLI::App* sub = app.add_subcommand("sheet", "A contact sheet of a study's slices, with time and error under each");
+  addViewOptions(*sub, o->view);
+  sub->add_option("--out", o->out, "Contact sheet, PNG")->required();
+  sub->add_option("--title", o->title, "Title of the sheet");
+  sub->add_option("--views", o->views, "Views, in order")->delimiter(',');
+  sub->add_option("--columns", o->columns, "Pictures in a row")->check(CLI::Range(1, 20));
+  sub->footer("Example:\n  vernier sheet STUDY --out sheet.png --preset brain");
+  return {sub, [&global, o] { return run(global, *o); }};
+}
+
+}  // namespace vernier::app

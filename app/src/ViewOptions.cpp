@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ViewOptions.h"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "vernier/plan/SceneJson.h"
+#include "vernier/volume/Voi.h"
+
+namespace vernier::app {
+namespace {
+
+constexpr std::uintmax_t kMaxSceneBytes = std::uintmax_t{16} << 20;
+
+Error invalid(const std::string& option, const std::string& sentence) {
+  return makeError(ErrorCode::OptionInvalid, sentence, option);
+}
+
+std::vector<std::string> split(const std::string& text, char by) {
+  std::vector<std::string> parts;
+  std::size_t at = 0;
+  while (at <= text.size()) {
+    const std::size_t end = std::min(text.find(by, at), text.size());
+    parts.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return parts;
+}
+
+std::optional<double> number(const std::string& text) {
+  double x = 0;
+  const char* end = text.data() + text.size();
+  const auto [p, ec] = std::from_chars(text.data(), end, x);
+  if (ec != std::errc() || p != end || !std::isfinite(x)) return std::nullopt;
+  return x;
+}
+
+// "key=1,2,3,other=4": numbers that follow a key belong to it until the next key.
+Result<std::vector<std::pair<std::string, std::vector<std::string>>>> keyed(const std::string& option,
+                                                                            const std::string& text) {
+  std::vector<std::pair<std::string, std::vector<std::string>>> out;
+  for (const std::string& part : split(text, ',')) {
+    const std::size_t eq = part.find('=');
+    if (eq != std::string::npos)
+      out.push_back({part.substr(0, eq), {part.substr(eq + 1)}});
+    else if (!out.empty())
+      out.back().second.push_back(part);
+    else
+      return invalid(option, "'" + text + "' does not begin with a key such as azimuth=30.");
+  }
+  return out;
+}
+
+Result<glm::dvec3> vec3(const std::string& option, const std::string& key, const std::vector<std::string>& parts) {
+  glm::dvec3 v;
+  for (int i = 0; i < 3; ++i) {
+    const auto x = parts.size() == 3 ? number(parts[static_cast<std::size_t>(i)]) : std::nullopt;
+    if (!x) return invalid(option, key + " needs three numbers, such as " + key + "=0,0,1.");
+    v[i] = *x;
+  }
+  return v;
+}
+
+}  // namespace
+
+Result<glm::ivec2> parseSize(const std::string& text) {
+  const auto parts = split(text, 'x');
+  const auto w = parts.size() == 2 ? number(parts[0]) : std::nullopt;
+  const auto h = parts.size() == 2 ? number(parts[1]) : std::nullopt;
+  if (!w || !h || *w != std::floor(*w) || *h != std::floor(*h) || *w < 1 || *h < 1 || *w > 16384 || *h > 16384)
+    return invalid("--size", "'" + text + "' is not WIDTHxHEIGHT with 1 to 16384 pixels each, such as 512x512.");
+  return glm::ivec2(static_cast<int>(*w), static_cast<int>(*h));
+}
+
+Result<VoiWindow> parseWindow(const std::string& text) {
+  const auto parts = split(text, ',');
+  const auto c = parts.size() == 2 ? number(parts[0]) : std::nullopt;
+  const auto w = parts.size() == 2 ? number(parts[1]) : std::nullopt;
+  if (!c || !w || *w <= 0)
+    return invalid("--window", "'" + text + "' is not CENTER,WIDTH with a width above 0, such as 40,400.");
+  return normalised(VoiWindow{*c, *w, VoiFunction::Linear, "as given"});
+}
+
+Result<VoiWindow> windowPreset(const std::string& name, const std::string& unit) {
+  struct Row {
+    const char* name;
+    double center, width;
+  };
+  static constexpr Row kRows[] = {{"brain", 40, 80},      {"subdural", 75, 215}, {"stroke", 35, 40},
+                                  {"lung", -600, 1500},   {"bone", 400, 1800},   {"abdomen", 50, 400},
+                                  {"mediastinum", 50, 350}, {"liver", 100, 150}};
+  std::string names;
+  for (const Row& r : kRows) {
+    if (name == r.name) {
+      if (unit != "HU")
+        return invalid("--preset", "The preset " + name + " is for CT in HU; these values are '" + unit + "'.");
+      return VoiWindow{r.center, r.width, VoiFunction::Linear, r.name};
+    }
+    names += std::string(names.empty() ? "" : ", ") + r.name;
+  }
+  return invalid("--preset", "No window preset '" + name + "'; there are " + names + ".");
+}
+
+Result<Camera> parseCamera(const std::string& text) {
+  Camera c;
+  if (text.empty()) return c;
+  const auto pairs = keyed("--camera", text);
+  if (!pairs) return pairs.error();
+  for (const auto& [key, values] : *pairs) {
+    if (key == "projection") {
+      if (values.size() != 1 || (values[0] != "orthographic" && values[0] != "perspective"))
+        return invalid("--camera", "projection is orthographic or perspective.");
+      c.projection = values[0] == "perspective" ? Projection::Perspective : Projection::Orthographic;
+      continue;
+    }
+    const auto x = values.size() == 1 ? number(values[0]) : std::nullopt;
+    double* target = key == "azimuth"     ? &c.azimuth_deg
+                     : key == "elevation" ? &c.elevation_deg
+                     : key == "roll"      ? &c.roll_deg
+                     : key == "fov"       ? &c.fov_deg
+                     : key == "zoom"      ? &c.zoom
+                                          : nullptr;
+    if (!target)
+      return invalid("--camera", "No key '" + key + "'; there are azimuth, elevation, roll, projection, fov and zoom.");
+    if (!x) return invalid("--camera", key + " needs one number.");
+    *target = *x;
+  }
+  if (!(c.zoom > 0 && c.zoom <= 1e4)) return invalid("--camera", "zoom is above 0 and at most 10000.");
+  if (!(c.fov_deg > 0 && c.fov_deg < 180)) return invalid("--camera", "fov is above 0 and below 180 degrees.");
+  return c;
+}
+
+Result<Plane> parsePlane(const std::string& text) {
+  const auto pairs = keyed("--plane", text);
+  if (!pairs) return pairs.error();
+  Plane plane;
+  bool point = false, normal = false, up = false;
+  for (const auto& [key, values] : *pairs) {
+    const Result<glm::dvec3> v = vec3("--plane", key, values);
+    if (!v) return v.error();
+    if (key == "point")
+      plane.point = PatientPoint(*v), point = true;
+    else if (key == "normal")
+      plane.normal = PatientVec(*v), normal = true;
+    else if (key == "up")
+      plane.up = PatientVec(*v), up = true;
+    else
+      return invalid("--plane", "No key '" + key + "'; there are point, normal and up.");
+  }
+  if (!point || !normal || !up)
+    return invalid("--plane", "A plane needs point=x,y,z,normal=x,y,z,up=x,y,z in patient mm.");
+  return plane;
+}
+
+void addViewOptions(CLI::App& sub, ViewOptions& o) {
+  sub.add_option("INPUT", o.inputs, "Files or folders of DICOM, or one MetaImage file")->required();
+  auto* view = sub.add_option("--view", o.view, "stack axial coronal sagittal oblique slab");
+  sub.add_option("--scene", o.sceneFile, "Scene as JSON (docs/scene.md)")->excludes(view);
+  sub.add_option("--series", o.series, "Series Instance UID or number in `vernier info`, #2 for its second stack");
+  sub.add_option("--size", o.size, "Picture, WxH pixels")->capture_default_str();
+  sub.add_option("--camera", o.camera, "azimuth=30,elevation=20,projection=orthographic,fov=30,zoom=1,roll=0");
+  sub.add_option("--plane", o.plane, "point=x,y,z,normal=x,y,z,up=x,y,z in patient mm");
+  sub.add_option("--slice", o.slice, "Slice, counted from 0 along the view's axis (absent: the middle)");
+  sub.add_option("--slab", o.slab_mm, "Slab thickness in mm, centred on the plane")->check(CLI::Range(0.0, 1e5));
+  sub.add_option("--slab-mode", o.slabMode, "max min mean")->check(CLI::IsMember({"max", "min", "mean"}));
+  sub.add_option("--interpolation", o.interpolation, "nearest linear")->check(CLI::IsMember({"nearest", "linear"}));
+  auto* window = sub.add_option("--window", o.window, "CENTER,WIDTH in modality values (HU for CT)");
+  sub.add_option("--preset", o.preset, "brain subdural stroke lung bone abdomen mediastinum liver")->excludes(window);
+  sub.add_option("--engine", o.engine, "auto gl native")->check(CLI::IsMember({"auto", "gl", "native"}));
+  sub.add_option("--technique", o.technique, "A technique by name, as in `vernier plugins`");
+  sub.add_option("--quality", o.quality, "draft review reference")
+      ->check(CLI::IsMember({"draft", "review", "reference"}))
+      ->capture_default_str();
+  sub.add_option("--max-error", o.maxError, "Largest error wanted, in levels of 255; exit 4 when it is not reached")
+      ->check(CLI::PositiveNumber);
+  sub.add_option("--min-fps", o.minFps, "Frames per second wanted")->check(CLI::PositiveNumber);
+  sub.add_option("--error-samples", o.errorSamples, "Pixels that the error is measured at")
+      ->check(CLI::Range(1, 100'000'000))
+      ->capture_default_str();
+  sub.add_option("--seed", o.seed, "Seed of the error's sample")->capture_default_str();
+  sub.add_flag("--no-error", o.noError, "Do not measure the error");
+  sub.add_flag("--bridge-gaps", o.bridge, "Interpolate across missing slices; the picture says so");
+}
+
+namespace {
+
+Result<Scene> sceneFromFile(const std::string& path) {
+  std::error_code ec;
+  if (!std::filesystem::is_regular_file(path, ec) || std::filesystem::file_size(path, ec) > kMaxSceneBytes)
+    return makeError(ErrorCode::FileNotFound, "The scene is not a readable file of at most 16 MiB.", path);
+  std::ifstream f(path, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(f)), {});
+  return parseScene(text);
+}
+
+Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const ProgressFn& progress, std::stop_token stop) {
+  PresetOptions p;
+  p.slice = o.slice;
+  p.interpolation = o.interpolation == "nearest" ? Interpolation::Nearest : Interpolation::Linear;
+  const Result<Camera> camera = parseCamera(o.camera);
+  if (!camera) return camera.error();
+  p.camera = *camera;
+  if (!o.plane.empty()) {
+    const Result<Plane> plane = parsePlane(o.plane);
+    if (!plane) return plane.error();
+    p.plane = *plane;
+  }
+  if (o.slab_mm)
+    p.slab = Slab{*o.slab_mm, o.slabMode == "max"   ? SlabMode::Max
+                              : o.slabMode == "min" ? SlabMode::Min
+                                                    : SlabMode::Mean};
+  if (!o.window.empty()) {
+    const Result<VoiWindow> w = parseWindow(o.window);
+    if (!w) return w.error();
+    p.window = *w;
+  }
+  const auto withPreset = [&](const std::string& unit) -> Result<void> {
+    if (o.preset.empty()) return {};
+    const Result<VoiWindow> w = windowPreset(o.preset, unit);
+    if (!w) return w.error();
+    p.window = *w;
+    return {};
+  };
+  if (o.view == "stack" && !session.isMetaImage()) {
+    const Result<std::int64_t> count = session.imageCount("");
+    if (!count) return count.error();
+    const std::int64_t index = o.slice.value_or((*count - 1) / 2);
+    const auto image = session.image("", index);
+    if (!image) return image.error();
+    if (const Result<void> r = withPreset((*image)->info().unit); !r) return r.error();
+    return stackScene("", index, p);
+  }
+  const auto volume = session.volume("", progress, stop);
+  if (!volume) return volume.error();
+  if (const Result<void> r = withPreset((*volume)->info().unit); !r) return r.error();
+  return presetScene(o.view, "", **volume, p);
+}
+
+}  // namespace
+
+Result<RenderRequest> makeRequest(Session& session, const ViewOptions& o, const Settings& settings,
+                                  const ProgressFn& progress, std::stop_token stop) {
+  RenderRequest r;
+  const Result<glm::ivec2> size = parseSize(o.size);
+  if (!size) return size.error();
+  r.view.width_px = size->x;
+  r.view.height_px = size->y;
+  if (!session.isMetaImage()) {
+    const Result<StackChoice> choice = session.choose(o.series);
+    if (!choice) return choice.error();
+    session.use(*choice);
+  } else if (!o.series.empty()) {
+    return invalid("--series", "A MetaImage file is one volume and has no series.");
+  }
+  session.bridgeGaps(o.bridge);
+  if (o.view.empty() && o.sceneFile.empty()) return invalid("--view", "Say what to draw with --view or --scene.");
+  Result<Scene> scene = o.sceneFile.empty() ? sceneFromView(session, o, progress, stop) : sceneFromFile(o.sceneFile);
+  if (!scene) return scene.error();
+  r.scene = std::move(*scene);
+  r.viewName = o.view;
+  const std::string engine = o.engine.empty() ? settings.engine : o.engine;
+  r.quality.engine = engine == "gl" ? EngineChoice::Gl : engine == "native" ? EngineChoice::Native : EngineChoice::Auto;
+  r.quality.technique = o.technique;
+  r.quality.level = o.quality == "draft"       ? QualityLevel::Draft
+                    : o.quality == "reference" ? QualityLevel::Reference
+                                               : QualityLevel::Review;
+  r.quality.maxError = o.maxError;
+  r.quality.minFps = o.minFps;
+  r.options.measure = !o.noError;
+  r.options.error.samples = static_cast<std::size_t>(o.errorSamples);
+  r.options.error.seed = o.seed;
+  r.options.goal = o.maxError;
+  return r;
+}
+
+}  // namespace vernier::app

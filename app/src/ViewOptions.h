@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The options that say what to draw, shared by render, bench and sheet; and their translation into a Scene.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "Cli.h"
+#include "vernier/plan/Presets.h"
+
+namespace vernier::app {
+
+struct ViewOptions {
+  std::vector<std::string> inputs;
+  std::string view, sceneFile, series;
+  std::string size = "512x512", camera, plane, slabMode = "max", window, preset, interpolation = "linear";
+  std::optional<std::int64_t> slice;
+  std::optional<double> slab_mm;
+  std::string engine, technique, quality = "review";
+  std::optional<double> maxError, minFps;
+  int errorSamples = 1024;
+  std::uint64_t seed = 1;
+  bool noError = false, bridge = false;
+};
+
+void addViewOptions(CLI::App&, ViewOptions&);
+
+struct RenderRequest {
+  Scene scene;
+  View view;
+  Quality quality;
+  RenderOptions options;
+  std::string viewName;   // "" when a scene file was given
+};
+
+// The parts, each with its own OptionInvalid sentence.
+Result<glm::ivec2> parseSize(const std::string&);
+Result<VoiWindow> parseWindow(const std::string& centerWidth);
+Result<VoiWindow> windowPreset(const std::string& name, const std::string& unit);
+Result<Camera> parseCamera(const std::string&);
+Result<Plane> parsePlane(const std::string&);
+
+// The session has been opened; chooses the series and builds what the presets need.
+Result<RenderRequest> makeRequest(Session&, const ViewOptions&, const Settings&, const ProgressFn&, std::stop_token);
+
+}  // namespace vernier::app

@@ -1,0 +1,18 @@
+# Run at build time: writes OUT with VERNIER_ABI_ID, a hash of TOOLCHAIN (compiler, build type, sanitizers) and of all
+# public headers under MODULES. The file is touched only when the id changes.
+file(GLOB_RECURSE headers ${MODULES}/*/include/*.h ${MODULES}/*/include/*.def)
+list(SORT headers)
+set(text "${TOOLCHAIN}")
+foreach(header IN LISTS headers)
+  file(SHA256 ${header} hash)
+  string(APPEND text " ${hash}")
+endforeach()
+string(SHA256 id "${text}")
+string(SUBSTRING ${id} 0 32 id)
+set(content "// Made at build time; see modules/cmake/AbiId.cmake.\n#pragma once\n#define VERNIER_ABI_ID \"${id}\"\n")
+if(EXISTS ${OUT})
+  file(READ ${OUT} old)
+endif()
+if(NOT "${old}" STREQUAL "${content}")
+  file(WRITE ${OUT} "${content}")
+endif()

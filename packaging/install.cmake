@@ -1,0 +1,12 @@
+# Program in bin, libvernier in lib, plugins in lib/vernier/plugins, public headers in include.
+include(GNUInstallDirs)
+set(CMAKE_INSTALL_LIBDIR lib)
+set_target_properties(vernier_program PROPERTIES INSTALL_RPATH "$ORIGIN/../lib")
+install(TARGETS vernier_program vernier)
+install(TARGETS plugin_mpr LIBRARY DESTINATION lib/vernier/plugins/mpr)
+install(FILES ${CMAKE_BINARY_DIR}/lib/vernier/plugins/mpr/plugin.json DESTINATION lib/vernier/plugins/mpr)
+foreach(module IN LISTS VERNIER_CORE_MODULES)
+  install(DIRECTORY modules/${module}/include/vernier DESTINATION include)
+endforeach()
+install(FILES ${CMAKE_BINARY_DIR}/generated/vernier/AbiId.h DESTINATION include/vernier)
+install(FILES LICENSE README.md DESTINATION share/doc/vernier)

@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# run.sh BUILD_DIR [PEER_BUILD_DIR [WORK_DIR]]: the timing tables. With the peer's build folder both are measured in the
+# same run, in turn; without it our own frames alone. Times differ between machines and runs: ratios under 1.5 prove
+# nothing.
+set -euo pipefail
+build=$1
+peer=${2:-}
+work=${3:-out/bench}
+vernier=$build/bin/vernier
+here=$(dirname "$0")
+mkdir -p "$work"
+if [ -n "$peer" ]; then exec python3 "$here/peers.py" "$vernier" "$peer" "$work"; fi
+[ -d "$work/ct-head" ] || "$vernier" phantom ct-head --out "$work"
+for engine in native gl; do
+  for view in stack axial coronal sagittal oblique slab; do
+    [ "$engine $view" = "gl stack" ] && continue
+    "$vernier" bench "$work/ct-head" --view "$view" --engine "$engine" --window 500,1400
+  done
+done

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# demo.sh VERNIER [STUDY]: loads a study through the real loader and writes contact sheets of its slices, each picture
+# with its time and its measured error, to out/demo.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+vernier=$1
+study=${2:-}
+out=out/demo
+mkdir -p "$out"
+
+say() { printf '\n%s\n' "$*"; }
+
+say "A synthetic head (512x512x256, CT), written as DICOM:"
+[ -d "$out/ct-head" ] || "$vernier" phantom ct-head --out "$out"
+
+if [ -z "$study" ] && [ -d ../shared/data/ct_phantom_head_series ]; then study=../shared/data/ct_phantom_head_series; fi
+if [ -n "$study" ]; then
+  say "The real study:"
+  "$vernier" info "$study"
+  "$vernier" sheet "$study" --out "$out/contact-sheet.png" --title "real study"
+else
+  say "No study was named; the synthetic one alone is shown. Give a folder: ./dev demo PATH"
+fi
+"$vernier" info "$out/ct-head"
+"$vernier" sheet "$out/ct-head" --out "$out/contact-sheet-synthetic.png" --title "synthetic head" --preset brain
+[ -n "$study" ] || cp "$out/contact-sheet-synthetic.png" "$out/contact-sheet.png"
+
+say "Broken series load too; what is wrong is said:"
+for broken in tilt gap uneven; do
+  "$vernier" phantom "$broken" --out "$out" >/dev/null
+  "$vernier" sheet "$out/$broken" --out "$out/sheet-$broken.png" --title "$broken" --size 256x256
+done
+
+say "What one picture needs, and why (--explain):"
+"$vernier" render "$out/ct-head" --view oblique --preset bone --explain --out "$out/oblique.png"
+say "Look at $out/contact-sheet.png and the other sheets beside it."
