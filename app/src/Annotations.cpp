@@ -7,16 +7,19 @@
 namespace vernier::app {
 namespace {
 
-Result<Annotations> describeLayer(Session& session, const SliceLayer& layer, const Scene& scene, const View& view) {
+Result<Annotations> describeLayer(Session& session, const SliceLayer& layer, const Scene& scene,
+                                  const View& view) {
   const auto volume = session.volume(layer.source);
   if (!volume) return volume.error();
   const Result<SlicePicture> picture = slicePicture(layer, scene.camera, view, **volume);
   if (!picture) return picture.error();
-  const VoiWindow window = layer.window && usableWindow(*layer.window) ? *layer.window : defaultWindow(**volume);
+  const VoiWindow window =
+      layer.window && usableWindow(*layer.window) ? *layer.window : defaultWindow(**volume);
   return describeSlice(layer, *picture, (*volume)->info(), window);
 }
 
-Result<Annotations> describeLayer(Session& session, const ImageLayer& layer, const Scene& scene, const View& view) {
+Result<Annotations> describeLayer(Session& session, const ImageLayer& layer, const Scene& scene,
+                                  const View& view) {
   const auto image = session.image(layer.source, layer.index);
   if (!image) return image.error();
   const ImageFrameInfo& info = (*image)->info();
@@ -31,10 +34,13 @@ Result<Annotations> describeLayer(Session& session, const ImageLayer& layer, con
 Result<Annotations> annotationsFor(Session& session, const Scene& scene, const View& view, const Rendered& r,
                                    std::optional<double> limit) {
   Annotations a;
-  for (auto layer = scene.layers.rbegin(); layer != scene.layers.rend(); ++layer) {  // the topmost that is drawn
+  for (auto layer = scene.layers.rbegin(); layer != scene.layers.rend();
+       ++layer) {  // the topmost that is drawn
     std::optional<Result<Annotations>> said;
-    if (const auto* slice = std::get_if<SliceLayer>(&*layer)) said = describeLayer(session, *slice, scene, view);
-    if (const auto* image = std::get_if<ImageLayer>(&*layer)) said = describeLayer(session, *image, scene, view);
+    if (const auto* slice = std::get_if<SliceLayer>(&*layer))
+      said = describeLayer(session, *slice, scene, view);
+    if (const auto* image = std::get_if<ImageLayer>(&*layer))
+      said = describeLayer(session, *image, scene, view);
     if (!said) continue;
     if (!*said) return said->error();
     a = std::move(**said);

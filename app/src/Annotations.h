@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What stands on a finished picture: what its topmost layer says about itself, the measured error, and what the plan
-// could not show.
+// What stands on a finished picture: what its topmost layer says about itself, the measured error, and what
+// the plan could not show.
 #pragma once
 #include "Session.h"
 #include "vernier/picture/Describe.h"
@@ -8,10 +8,11 @@
 namespace vernier::app {
 
 // `limit`: the error that the user asked for; the figure is amber above it.
-Result<Annotations> annotationsFor(Session&, const Scene&, const View&, const Rendered&, std::optional<double> limit);
+Result<Annotations> annotationsFor(Session&, const Scene&, const View&, const Rendered&,
+                                   std::optional<double> limit);
 
 // The 8-bit picture with its letters; `scale` 1..3.
-Result<Picture> finishedPicture(Session&, const Scene&, const View&, const Rendered&, std::optional<double> limit,
-                                double scale);
+Result<Picture> finishedPicture(Session&, const Scene&, const View&, const Rendered&,
+                                std::optional<double> limit, double scale);
 
 }  // namespace vernier::app

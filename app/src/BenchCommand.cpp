@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// vernier bench: times whole frames (plan, draw, 8-bit picture) while the view moves, and measures the error of one
-// of them. One JSON line per run, so that runs can be collected and compared as ratios.
+// vernier bench: times whole frames (plan, draw, 8-bit picture) while the view moves, and measures the error
+// of one of them. One JSON line per run, so that runs can be collected and compared as ratios.
 #include <chrono>
 #include <cmath>
 #include <iostream>
@@ -13,7 +13,9 @@
 namespace vernier::app {
 namespace {
 using Clock = std::chrono::steady_clock;
-double msSince(Clock::time_point t) { return std::chrono::duration<double, std::milli>(Clock::now() - t).count(); }
+double msSince(Clock::time_point t) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - t).count();
+}
 
 struct Options {
   ViewOptions view;
@@ -31,8 +33,8 @@ Plane cameraPlane(const Volume& volume, double azimuth_deg, double elevation_deg
   return p;
 }
 
-// Frame i of n: oblique planes and slabs turn by 4 degrees, orthogonal slices walk through the middle 37 % of their
-// axis, stored frames through the whole stack. Frame -1 is the canonical one (azimuth 30, the middle).
+// Frame i of n: oblique planes and slabs turn by 4 degrees, orthogonal slices walk through the middle 37 % of
+// their axis, stored frames through the whole stack. Frame -1 is the canonical one (azimuth 30, the middle).
 void moveTo(int i, int n, const std::string& viewName, Session& session, RenderRequest& r) {
   for (Layer& layer : r.scene.layers) {
     if (auto* image = std::get_if<ImageLayer>(&layer)) {
@@ -72,7 +74,8 @@ int run(const GlobalOptions& global, const Options& o) {
   }
 
   moveTo(-1, 0, request->viewName, *session, *request);
-  Result<Rendered> measured = session->render(request->scene, request->view, request->quality, request->options, stop);
+  Result<Rendered> measured =
+      session->render(request->scene, request->view, request->quality, request->options, stop);
   if (!measured) return report(measured.error());
   Quality timed = request->quality;  // the closed loop has found its step; the timed frames use it
   timed.step = measured->step;
@@ -87,7 +90,8 @@ int run(const GlobalOptions& global, const Options& o) {
   for (int i = 0; i <= frames; ++i) {
     const auto begin = Clock::now();
     moveTo(i, frames + 1, request->viewName, *session, *request);
-    Result<Rendered> r = session->render(request->scene, request->view, timed, noMeasuring, stop, std::move(buffers));
+    Result<Rendered> r =
+        session->render(request->scene, request->view, timed, noMeasuring, stop, std::move(buffers));
     if (!r) return report(r.error());
     const Picture picture = quantise(r->frame.images);
     (i == 0 ? first_ms : ms.emplace_back()) = msSince(begin);
@@ -95,7 +99,9 @@ int run(const GlobalOptions& global, const Options& o) {
     buffers = std::move(r->frame);
   }
   std::sort(ms.begin(), ms.end());
-  const auto quantile = [&](double q) { return ms[static_cast<std::size_t>(q * static_cast<double>(ms.size() - 1))]; };
+  const auto quantile = [&](double q) {
+    return ms[static_cast<std::size_t>(q * static_cast<double>(ms.size() - 1))];
+  };
   nlohmann::ordered_json j;
   j["schema"] = "vernier-bench/1";
   j["view"] = request->viewName;
@@ -116,11 +122,12 @@ int run(const GlobalOptions& global, const Options& o) {
   j["max_ms"] = ms.back();
   j["samples"] = counters.samples;
   if (measured->error)
-    j["error"] = {{"unit", "level/255"},
-                  {"bound", measured->error->bound ? nlohmann::ordered_json(*measured->error->bound) : nullptr},
-                  {"max", measured->error->max},
-                  {"rms", measured->error->rms},
-                  {"kind", quality::nameOf(measured->error->kind)}};
+    j["error"] = {
+        {"unit", "level/255"},
+        {"bound", measured->error->bound ? nlohmann::ordered_json(*measured->error->bound) : nullptr},
+        {"max", measured->error->max},
+        {"rms", measured->error->rms},
+        {"kind", quality::nameOf(measured->error->kind)}};
   j["load_ms"] = median(loads_ms);
   j["peak_rss_mb"] = peakRss_mb();
   std::cout << j.dump() << "\n";
@@ -135,8 +142,9 @@ Command addBench(CLI::App& app, GlobalOptions& global) {
   sub->add_option("--frames", o->frames, "Timed frames, at 4-degree steps")->check(CLI::Range(1, 10000));
   sub->add_option("--loads", o->loads, "Load this often; load_ms is the median")->check(CLI::Range(1, 1000));
   sub->add_flag("--turn", o->turn, "A full turn: 90 frames");
-  sub->footer("Examples:\n  vernier bench STUDY --view oblique --window 500,1400\n"
-              "  vernier bench head.mhd --view slab --slab 10 --turn --threads 1");
+  sub->footer(
+      "Examples:\n  vernier bench STUDY --view oblique --window 500,1400\n"
+      "  vernier bench head.mhd --view slab --slab 10 --turn --threads 1");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 

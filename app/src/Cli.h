@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The command line: one file per subcommand, each adding itself to the CLI11 app and leaving a function that runs it.
+// The command line: one file per subcommand, each adding itself to the CLI11 app and leaving a function that
+// runs it.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <functional>

@@ -41,16 +41,17 @@ ProgressFn terminalProgress(const GlobalOptions& global) {
     std::mutex mutex;
     std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now(), last{};
   };
-  return [state = std::make_shared<State>()](std::string_view stage, std::uint64_t done, std::uint64_t total) {
-    const std::lock_guard lock(state->mutex);
-    const auto now = std::chrono::steady_clock::now();
-    if (now - state->begin < std::chrono::milliseconds(500)) return;
-    if (done < total && now - state->last < std::chrono::milliseconds(100)) return;
-    state->last = now;
-    std::fprintf(stderr, "\r%.*s %llu/%llu   %s", static_cast<int>(stage.size()), stage.data(),
-                 static_cast<unsigned long long>(done), static_cast<unsigned long long>(total),
-                 done >= total ? "\n" : "");
-  };
+  return
+      [state = std::make_shared<State>()](std::string_view stage, std::uint64_t done, std::uint64_t total) {
+        const std::lock_guard lock(state->mutex);
+        const auto now = std::chrono::steady_clock::now();
+        if (now - state->begin < std::chrono::milliseconds(500)) return;
+        if (done < total && now - state->last < std::chrono::milliseconds(100)) return;
+        state->last = now;
+        std::fprintf(stderr, "\r%.*s %llu/%llu   %s", static_cast<int>(stage.size()), stage.data(),
+                     static_cast<unsigned long long>(done), static_cast<unsigned long long>(total),
+                     done >= total ? "\n" : "");
+      };
 }
 
 namespace {

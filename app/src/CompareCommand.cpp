@@ -29,17 +29,23 @@ int run(const Options& o) {
     if (const Result<void> r = writePng(o.heatmap, *map); !r) return report(r.error());
   }
   if (o.json) {
-    const nlohmann::ordered_json j = {{"schema", "vernier-compare/1"}, {"unit", "level/255"}, {"max", d->max},
-                                      {"mean", d->mean},               {"rmse", d->rmse},     {"differing", d->differing},
+    const nlohmann::ordered_json j = {{"schema", "vernier-compare/1"},
+                                      {"unit", "level/255"},
+                                      {"max", d->max},
+                                      {"mean", d->mean},
+                                      {"rmse", d->rmse},
+                                      {"differing", d->differing},
                                       {"worst", {d->worstX, d->worstY}}};
     std::cout << j.dump(2) << "\n";
   } else {
-    std::printf("max %d, mean %.4g, RMSE %.4g levels of 255; %.3g %% of the pixels differ; worst at %d,%d\n", d->max, d->mean,
-                d->rmse, 100 * d->differing, d->worstX, d->worstY);
+    std::printf("max %d, mean %.4g, RMSE %.4g levels of 255; %.3g %% of the pixels differ; worst at %d,%d\n",
+                d->max, d->mean, d->rmse, 100 * d->differing, d->worstX, d->worstY);
   }
   if (o.maxError && d->max > *o.maxError)
-    return report(makeError(ErrorCode::OutOfTolerance, "The pictures differ by " + std::to_string(d->max) +
-                                                           " levels, more than was asked for.", "--max-error"));
+    return report(
+        makeError(ErrorCode::OutOfTolerance,
+                  "The pictures differ by " + std::to_string(d->max) + " levels, more than was asked for.",
+                  "--max-error"));
   return 0;
 }
 }  // namespace
@@ -51,7 +57,8 @@ Command addCompare(CLI::App& app, GlobalOptions&) {
   sub->add_option("B", o->b, "Picture of the same size, PNG")->required();
   sub->add_option("--heatmap", o->heatmap, "Write the differences as a picture, PNG");
   sub->add_flag("--json", o->json, "JSON on standard output");
-  sub->add_option("--max-error", o->maxError, "Exit 4 when any pixel differs by more")->check(CLI::NonNegativeNumber);
+  sub->add_option("--max-error", o->maxError, "Exit 4 when any pixel differs by more")
+      ->check(CLI::NonNegativeNumber);
   sub->footer("Example:\n  vernier compare before.png after.png --heatmap diff.png --max-error 1");
   return {sub, [o] { return run(*o); }};
 }

@@ -18,8 +18,9 @@ Json facts(Session& session, const Settings& settings) {
   j["vernier"] = kVersion;
   j["purpose"] = "not for primary diagnosis";
   j["native"] = {{"available", c.native}, {"simd", c.simd}, {"threads", c.threads}};
-  j["gl"] = {{"available", c.gl}, {"why_not", c.glWhyNot}, {"renderer", c.glRenderer}, {"version", c.glVersion},
-             {"software", c.glIsSoftware}, {"max_3d_texture", c.max3dTexture}, {"max_texture", c.maxTexture}};
+  j["gl"] = {{"available", c.gl},          {"why_not", c.glWhyNot},      {"renderer", c.glRenderer},
+             {"version", c.glVersion},     {"software", c.glIsSoftware}, {"max_3d_texture", c.max3dTexture},
+             {"max_texture", c.maxTexture}};
   j["memory_budget_mb"] = session.budget().limit() >> 20;
   j["limits"] = {{"rows", limits::kMaxRows},
                  {"columns", limits::kMaxColumns},
@@ -31,7 +32,8 @@ Json facts(Session& session, const Settings& settings) {
                  {"inflate_ratio", limits::kMaxInflateRatio},
                  {"inflated_mb", limits::kMaxInflatedBytes >> 20},
                  {"fragments", limits::kMaxFragments}};
-  for (const Setting& s : settings.sources) j["settings"][s.name] = {{"value", s.value}, {"source", s.source}};
+  for (const Setting& s : settings.sources)
+    j["settings"][s.name] = {{"value", s.value}, {"source", s.source}};
   j["plugins"] = Json::array();
   for (const PluginInfo& p : session.plugins())
     j["plugins"].push_back({{"name", p.name}, {"state", nameOf(p.state)}, {"reason", p.reason}});
@@ -53,11 +55,14 @@ void print(const Json& j) {
   for (const auto& [name, s] : j["settings"].items())
     std::printf("  %-30s %s (%s)\n", name.c_str(), text(s["value"]).c_str(), text(s["source"]).c_str());
   std::printf("\nLimits on what a file may ask for\n");
-  for (const auto& [name, v] : j["limits"].items()) std::printf("  %-30s %s\n", name.c_str(), text(v).c_str());
+  for (const auto& [name, v] : j["limits"].items())
+    std::printf("  %-30s %s\n", name.c_str(), text(v).c_str());
   std::printf("\nPlugins\n");
   for (const Json& p : j["plugins"])
-    std::printf("  %-30s %s %s\n", text(p["name"]).c_str(), text(p["state"]).c_str(), text(p["reason"]).c_str());
-  if (j["plugins"].empty()) std::printf("  none: nothing can be drawn; reinstall, or name a folder with --plugins\n");
+    std::printf("  %-30s %s %s\n", text(p["name"]).c_str(), text(p["state"]).c_str(),
+                text(p["reason"]).c_str());
+  if (j["plugins"].empty())
+    std::printf("  none: nothing can be drawn; reinstall, or name a folder with --plugins\n");
 }
 
 int run(const GlobalOptions& global, bool json) {

@@ -15,7 +15,8 @@ struct Options {
 int run(const GlobalOptions& global, const Options& o) {
   const auto session = makeSession(global);
   if (!session) return 2;
-  if (const Result<void> opened = session->open(o.inputs, terminalProgress(global), interruptToken()); !opened)
+  if (const Result<void> opened = session->open(o.inputs, terminalProgress(global), interruptToken());
+      !opened)
     return report(opened.error());
   InfoOptions info;
   info.pixels = o.pixels;
@@ -23,9 +24,10 @@ int run(const GlobalOptions& global, const Options& o) {
   std::cout << (o.json ? infoJson(study, info) : infoText(study)) << std::flush;
   if (study.instances.empty() && !session->isMetaImage()) {
     if (study.files.size() == 1 && study.files[0].error) return report(*study.files[0].error);
-    return report(makeError(ErrorCode::NothingToLoad, "No DICOM object was found among " +
-                                                          std::to_string(study.files.size()) + " files.",
-                            o.inputs.front()));
+    return report(
+        makeError(ErrorCode::NothingToLoad,
+                  "No DICOM object was found among " + std::to_string(study.files.size()) + " files.",
+                  o.inputs.front()));
   }
   return std::cout.good() ? 0 : 1;
 }

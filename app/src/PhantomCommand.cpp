@@ -15,7 +15,8 @@ void list() {
   for (const PhantomRecipe& r : phantomRecipes()) {
     std::printf("%-16s %s\n", r.name.c_str(), r.summary.c_str());
     for (const PhantomSetting& s : r.settings)
-      std::printf("                 --set %s=%s  %s\n", s.name.c_str(), s.defaultValue.c_str(), s.about.c_str());
+      std::printf("                 --set %s=%s  %s\n", s.name.c_str(), s.defaultValue.c_str(),
+                  s.about.c_str());
   }
 }
 
@@ -50,11 +51,14 @@ Command addPhantom(CLI::App& app, GlobalOptions& global) {
   const auto o = std::make_shared<Options>();
   CLI::App* sub = app.add_subcommand("phantom", "Write a synthetic study whose exact answers are known");
   sub->add_option("NAME", o->name, "Recipe, or `list`")->required();
-  sub->add_option("--out", o->out, "Folder; the study is written to DIR/NAME, its answers to DIR/NAME.answers.json");
-  sub->add_option("--format", o->format, "dicom, or mha for a MetaImage file")->check(CLI::IsMember({"dicom", "mha"}));
+  sub->add_option("--out", o->out,
+                  "Folder; the study is written to DIR/NAME, its answers to DIR/NAME.answers.json");
+  sub->add_option("--format", o->format, "dicom, or mha for a MetaImage file")
+      ->check(CLI::IsMember({"dicom", "mha"}));
   sub->add_option("--set", o->settings, "NAME=VALUE, a setting of the recipe (repeatable)");
-  sub->footer("Examples:\n  vernier phantom list\n  vernier phantom ct-head --out studies\n"
-              "  vernier phantom orientation --set plane=sagittal --out studies");
+  sub->footer(
+      "Examples:\n  vernier phantom list\n  vernier phantom ct-head --out studies\n"
+      "  vernier phantom orientation --set plane=sagittal --out studies");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 

@@ -35,7 +35,8 @@ Result<PluginCard> readPluginCard(const std::string& path) {
       return damaged(std::string("has no text under '") + key + "'");
   for (const char* key : {"kinds", "views", "needs"})
     if (j.contains(key) &&
-        (!j.at(key).is_array() || !std::all_of(j.at(key).begin(), j.at(key).end(), [](const json& x) { return x.is_string(); })))
+        (!j.at(key).is_array() ||
+         !std::all_of(j.at(key).begin(), j.at(key).end(), [](const json& x) { return x.is_string(); })))
       return damaged(std::string("has no list of texts under '") + key + "'");
   PluginCard card;
   card.name = j.at("name");

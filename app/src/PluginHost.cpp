@@ -18,32 +18,45 @@ namespace fs = std::filesystem;
 
 const char* nameOf(PluginState s) {
   switch (s) {
-    case PluginState::Loaded: return "loaded";
-    case PluginState::CardDamaged: return "card damaged";
-    case PluginState::LibraryMissing: return "library missing";
-    case PluginState::WritableByOthers: return "writable by others";
-    case PluginState::LoadFailed: return "load failed";
-    case PluginState::NotAPlugin: return "not a plugin";
-    case PluginState::OtherAbi: return "other ABI";
-    case PluginState::OtherInterface: return "other interface";
-    case PluginState::MissingDependency: return "missing dependency";
-    case PluginState::Duplicate: return "duplicate";
-    case PluginState::RegisterFailed: return "register failed";
-    case PluginState::Failed: return "failed";
+    case PluginState::Loaded:
+      return "loaded";
+    case PluginState::CardDamaged:
+      return "card damaged";
+    case PluginState::LibraryMissing:
+      return "library missing";
+    case PluginState::WritableByOthers:
+      return "writable by others";
+    case PluginState::LoadFailed:
+      return "load failed";
+    case PluginState::NotAPlugin:
+      return "not a plugin";
+    case PluginState::OtherAbi:
+      return "other ABI";
+    case PluginState::OtherInterface:
+      return "other interface";
+    case PluginState::MissingDependency:
+      return "missing dependency";
+    case PluginState::Duplicate:
+      return "duplicate";
+    case PluginState::RegisterFailed:
+      return "register failed";
+    case PluginState::Failed:
+      return "failed";
   }
   return "?";
 }
 
 namespace {
 
-// What a plugin registers is gathered here first; only a whole registration reaches the registry. It lives as long as
-// the plugin host: techniques keep a reference to it for the GL device.
+// What a plugin registers is gathered here first; only a whole registration reaches the registry. It lives as
+// long as the plugin host: techniques keep a reference to it for the GL device.
 class Gathering final : public Host {
  public:
   explicit Gathering(const std::function<Result<gpu::Device*>()>& glDevice) : glDevice_(glDevice) {}
   Result<void> addTechnique(Technique t) override {
     if (t.name.empty() || t.kinds.empty() || !t.passesFor || !t.execute)
-      return makeError(ErrorCode::PluginFailed, "A technique without name, kinds, passesFor or execute.", t.name);
+      return makeError(ErrorCode::PluginFailed, "A technique without name, kinds, passesFor or execute.",
+                       t.name);
     techniques.push_back(std::move(t));
     return {};
   }
@@ -98,14 +111,15 @@ Technique wrapped(Technique t, PluginInfo* owner) {
   const auto failed = [owner, name = t.name](const Error& e) {
     owner->state = PluginState::Failed;
     owner->reason = "Technique " + name + " threw: " + e.sentence;
-    return makeError(ErrorCode::PluginFailed, "Plugin " + owner->name + " failed and is switched off: " + e.sentence,
-                     name);
+    return makeError(ErrorCode::PluginFailed,
+                     "Plugin " + owner->name + " failed and is switched off: " + e.sentence, name);
   };
   const auto off = [owner, name = t.name] {
     return makeError(ErrorCode::PluginFailed, "Plugin " + owner->name + " is switched off.", name);
   };
   auto passesFor = std::move(t.passesFor);
-  t.passesFor = [=](const Layer& layer, std::size_t index, const PlanContext& context) -> Result<std::vector<Pass>> {
+  t.passesFor = [=](const Layer& layer, std::size_t index,
+                    const PlanContext& context) -> Result<std::vector<Pass>> {
     if (owner->state == PluginState::Failed) return off();
     try {
       return passesFor(layer, index, context);
@@ -156,7 +170,8 @@ void PluginHost::load(const std::vector<std::string>& folders) {
       info.kinds = card->kinds, info.views = card->views, info.needs = card->needs;
       const std::string library = (folder / card->library).string();
       if (!fs::is_regular_file(library, ec)) {
-        refuse(info, PluginState::LibraryMissing, "The card names " + card->library + ", which is not there.");
+        refuse(info, PluginState::LibraryMissing,
+               "The card names " + card->library + ", which is not there.");
         continue;
       }
       std::string why;
@@ -200,24 +215,28 @@ void PluginHost::Impl::finish(const Candidate& c) {
   if (isLoaded(info.name))
     return refuse(info, PluginState::Duplicate, "A plugin of this name is loaded already.");
   if (c.card.interface != kPluginInterface)
-    return refuse(info, PluginState::OtherInterface,
-                  "Its card says interface " + c.card.interface + "; this program speaks " + kPluginInterface + ".");
+    return refuse(
+        info, PluginState::OtherInterface,
+        "Its card says interface " + c.card.interface + "; this program speaks " + kPluginInterface + ".");
   void* handle = ::dlopen(c.libraryPath.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!handle) {
     const char* why = ::dlerror();
-    return refuse(info, PluginState::LoadFailed, std::string("The dynamic linker says: ") + (why ? why : "?"));
+    return refuse(info, PluginState::LoadFailed,
+                  std::string("The dynamic linker says: ") + (why ? why : "?"));
   }
   const auto abi = reinterpret_cast<PluginTextFn>(::dlsym(handle, "vernier_plugin_abi"));
   const auto interface = reinterpret_cast<PluginTextFn>(::dlsym(handle, "vernier_plugin_interface"));
   const auto registerFn = reinterpret_cast<PluginRegisterFn>(::dlsym(handle, "vernier_plugin_register"));
   if (!abi || !interface || !registerFn)
-    return refuse(info, PluginState::NotAPlugin, "The library lacks one of the three vernier_plugin_ entries.");
+    return refuse(info, PluginState::NotAPlugin,
+                  "The library lacks one of the three vernier_plugin_ entries.");
   if (std::string(abi()) != VERNIER_ABI_ID)
     return refuse(info, PluginState::OtherAbi,
                   "It was built with another compiler, in another way or against other headers; rebuild it.");
   if (std::string(interface()) != kPluginInterface)
-    return refuse(info, PluginState::OtherInterface, std::string("It speaks interface ") + interface() +
-                                                         "; this program speaks " + kPluginInterface + ".");
+    return refuse(info, PluginState::OtherInterface,
+                  std::string("It speaks interface ") + interface() + "; this program speaks " +
+                      kPluginInterface + ".");
   auto gathering = std::make_unique<Gathering>(glDevice);
   Error error;
   bool registered = false;
@@ -226,7 +245,8 @@ void PluginHost::Impl::finish(const Candidate& c) {
     return {};
   });
   if (!run) error = run.error();
-  if (!registered || !run) return refuse(info, PluginState::RegisterFailed, "Its register() failed: " + error.sentence);
+  if (!registered || !run)
+    return refuse(info, PluginState::RegisterFailed, "Its register() failed: " + error.sentence);
   std::set<std::string> names;
   for (const Technique& t : gathering->techniques)
     if (registry.find(t.name) || !names.insert(t.name).second)

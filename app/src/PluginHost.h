@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Finds, checks and loads plugins. Every plugin folder that was looked at ends in a named state; nothing is loaded that
-// others may write, that was built otherwise, or whose card is damaged. Libraries are loaded RTLD_NOW | RTLD_LOCAL and
-// never closed. Not thread-safe: load before rendering.
+// Finds, checks and loads plugins. Every plugin folder that was looked at ends in a named state; nothing is
+// loaded that others may write, that was built otherwise, or whose card is damaged. Libraries are loaded
+// RTLD_NOW | RTLD_LOCAL and never closed. Not thread-safe: load before rendering.
 #pragma once
 #include <functional>
 #include <memory>
@@ -14,26 +14,26 @@ namespace vernier::app {
 
 enum class PluginState {
   Loaded,
-  CardDamaged,         // plugin.json missing, not JSON, or without a needed key
-  LibraryMissing,      // the card names a file that is not there
-  WritableByOthers,    // folder, card or library may be written by others, or belongs to another user
-  LoadFailed,          // the dynamic linker refused it
-  NotAPlugin,          // one of the three entries is missing
-  OtherAbi,            // built by another compiler, in another way, or against other headers
-  OtherInterface,      // speaks another version of the plugin interface
-  MissingDependency,   // needs a plugin that is not loaded
-  Duplicate,           // another plugin has this name, or registers a technique that exists
-  RegisterFailed,      // register() returned an error or threw
-  Failed,              // threw while working; switched off
+  CardDamaged,        // plugin.json missing, not JSON, or without a needed key
+  LibraryMissing,     // the card names a file that is not there
+  WritableByOthers,   // folder, card or library may be written by others, or belongs to another user
+  LoadFailed,         // the dynamic linker refused it
+  NotAPlugin,         // one of the three entries is missing
+  OtherAbi,           // built by another compiler, in another way, or against other headers
+  OtherInterface,     // speaks another version of the plugin interface
+  MissingDependency,  // needs a plugin that is not loaded
+  Duplicate,          // another plugin has this name, or registers a technique that exists
+  RegisterFailed,     // register() returned an error or threw
+  Failed,             // threw while working; switched off
 };
 const char* nameOf(PluginState);
 
 struct PluginInfo {
-  std::string name;          // from the card; the folder's name when the card is damaged
+  std::string name;  // from the card; the folder's name when the card is damaged
   std::string version, description, folder;
   std::vector<std::string> kinds, views, needs;
   PluginState state = PluginState::CardDamaged;
-  std::string reason;        // one sentence when not Loaded
+  std::string reason;  // one sentence when not Loaded
   std::vector<std::string> techniques;
 };
 

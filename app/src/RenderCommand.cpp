@@ -15,7 +15,9 @@
 namespace vernier::app {
 namespace {
 using Clock = std::chrono::steady_clock;
-double msSince(Clock::time_point t) { return std::chrono::duration<double, std::milli>(Clock::now() - t).count(); }
+double msSince(Clock::time_point t) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - t).count();
+}
 
 struct Options {
   ViewOptions view;
@@ -36,16 +38,16 @@ std::string sha256(const std::vector<std::uint8_t>& bytes) {
 }
 
 // No output file may be one of the files that were read.
-Result<void> keepSources(const Session& session, const std::vector<std::string>& inputs, const std::string& output,
-                         const char* option) {
+Result<void> keepSources(const Session& session, const std::vector<std::string>& inputs,
+                         const std::string& output, const char* option) {
   std::error_code ec;
   if (output.empty() || !std::filesystem::exists(output, ec)) return {};
   const auto same = [&](const std::string& p) { return std::filesystem::equivalent(p, output, ec) && !ec; };
   bool hit = std::any_of(inputs.begin(), inputs.end(), same);
   for (const FileRecord& f : session.study().files) hit = hit || same(f.path);
   if (hit)
-    return makeError(ErrorCode::WouldOverwriteSource, "The output would overwrite a file of the input; name another.",
-                     option);
+    return makeError(ErrorCode::WouldOverwriteSource,
+                     "The output would overwrite a file of the input; name another.", option);
   return {};
 }
 
@@ -56,9 +58,11 @@ int run(const GlobalOptions& global, const Options& o) {
   if (!session) return 2;
   const std::stop_token stop = interruptToken();
   const auto begin = Clock::now();
-  if (const Result<void> r = session->open(o.view.inputs, terminalProgress(global), stop); !r) return report(r.error());
+  if (const Result<void> r = session->open(o.view.inputs, terminalProgress(global), stop); !r)
+    return report(r.error());
   for (const auto& [file, option] : {std::pair{o.out, "--out"}, std::pair{o.report, "--report"}})
-    if (const Result<void> r = keepSources(*session, o.view.inputs, file, option); !r) return report(r.error());
+    if (const Result<void> r = keepSources(*session, o.view.inputs, file, option); !r)
+      return report(r.error());
   Result<RenderRequest> request = makeRequest(*session, o.view, *settings, terminalProgress(global), stop);
   if (!request) return report(request.error());
   request->options.explain = o.explain;
@@ -66,7 +70,8 @@ int run(const GlobalOptions& global, const Options& o) {
   in.timing.load_ms = msSince(begin);
 
   const auto frameBegin = Clock::now();
-  Result<Rendered> rendered = session->render(request->scene, request->view, request->quality, request->options, stop);
+  Result<Rendered> rendered =
+      session->render(request->scene, request->view, request->quality, request->options, stop);
   if (!rendered) return report(rendered.error());
   in.timing.first_frame_ms = msSince(frameBegin);
   in.timing.frame_ms = {rendered->frame.render_ms};
@@ -74,8 +79,8 @@ int run(const GlobalOptions& global, const Options& o) {
 
   if (!o.out.empty()) {
     Result<Picture> picture = o.noLetters ? Result<Picture>(quantise(rendered->frame.images))
-                                          : finishedPicture(*session, request->scene, request->view, *rendered,
-                                                            o.view.maxError, o.scale);
+                                          : finishedPicture(*session, request->scene, request->view,
+                                                            *rendered, o.view.maxError, o.scale);
     if (!picture) return report(picture.error());
     if (const Result<void> r = writePng(o.out, *picture); !r) return report(r.error());
   }
@@ -90,7 +95,8 @@ int run(const GlobalOptions& global, const Options& o) {
   for (const std::string& note : rendered->plan.notes) std::cerr << "vernier: note: " << note << "\n";
   if (o.view.maxError && !rendered->goalReached)
     return report(makeError(ErrorCode::OutOfTolerance,
-                            "The error asked for was not met (" + rendered->goalNote + " of 255).", "--max-error"));
+                            "The error asked for was not met (" + rendered->goalNote + " of 255).",
+                            "--max-error"));
   return 0;
 }
 }  // namespace

@@ -25,7 +25,8 @@ Json inputFacts(const ReportInput& in, const std::shared_ptr<const Volume>& volu
   }
   j["findings"] = Json::array();
   if (const Stack* stack = in.session->chosenStack())
-    for (const Finding& f : stack->findings) j["findings"].push_back({{"code", f.code}, {"sentence", f.sentence}});
+    for (const Finding& f : stack->findings)
+      j["findings"].push_back({{"code", f.code}, {"sentence", f.sentence}});
   return j;
 }
 
@@ -101,7 +102,7 @@ std::string reportJson(const ReportInput& in) {
   j["purpose"] = "not for primary diagnosis";
   j["input"] = inputFacts(in, volume);
   j["scene"] = Json::parse(writeScene(in.request->scene));
-  j["counters"] = {{"samples", c.samples}, {"cells", c.cells},   {"triangles", c.triangles},
+  j["counters"] = {{"samples", c.samples}, {"cells", c.cells},         {"triangles", c.triangles},
                    {"passes", c.passes},   {"bytes", c.bytesUploaded}, {"textures_3d", c.textures3dCreated}};
   j["plan"] = planFacts(r.plan);
   j["engine"] = {{"name", r.frame.engine},
@@ -120,7 +121,8 @@ std::string reportJson(const ReportInput& in) {
                  {"derived_mb", static_cast<double>(in.session->derivedBytes()) / 1048576.0},
                  {"peak_rss_mb", peakRss_mb()}};
   j["error"] = r.error ? errorFacts(*r.error, r.goalNote) : Json();
-  j["image"] = {{"width", r.frame.images.width}, {"height", r.frame.images.height}, {"sha256", in.imageSha256}};
+  j["image"] = {
+      {"width", r.frame.images.width}, {"height", r.frame.images.height}, {"sha256", in.imageSha256}};
   return j.dump(2) + "\n";
 }
 

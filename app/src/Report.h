@@ -9,9 +9,9 @@
 namespace vernier::app {
 
 struct Timing {
-  double load_ms = 0;               // scan and decode
+  double load_ms = 0;  // scan and decode
   double first_frame_ms = 0;
-  std::vector<double> frame_ms;     // later frames
+  std::vector<double> frame_ms;  // later frames
 };
 
 struct ReportInput {
@@ -19,7 +19,7 @@ struct ReportInput {
   const RenderRequest* request = nullptr;
   const Rendered* rendered = nullptr;
   Timing timing;
-  std::string imageSha256;          // of the 8-bit picture's pixels, before letters
+  std::string imageSha256;  // of the 8-bit picture's pixels, before letters
 };
 
 std::string reportJson(const ReportInput&);

@@ -18,7 +18,9 @@ namespace vernier::app {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double msSince(Clock::time_point t) { return std::chrono::duration<double, std::milli>(Clock::now() - t).count(); }
+double msSince(Clock::time_point t) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - t).count();
+}
 
 bool looksLikeMetaImage(const std::string& path) {
   std::string ext = std::filesystem::path(path).extension().string();
@@ -42,7 +44,8 @@ Error whyNothingIsShown(const StudySet& study) {
       if (!i.notShown.empty()) return makeError(ErrorCode::NothingToLoad, i.notShown, study.files[0].shown);
     }
   }
-  return makeError(ErrorCode::NothingToLoad, "No image was found among " + std::to_string(study.files.size()) +
+  return makeError(ErrorCode::NothingToLoad, "No image was found among " +
+                                                 std::to_string(study.files.size()) +
                                                  " files; `vernier info` lists what each file is.");
 }
 
@@ -71,6 +74,7 @@ struct Session::Impl {
   const Capabilities& look(bool withGl);
   Result<Sources> sourcesFor(Session&, const Scene&, std::stop_token);
   Result<Plan> planFor(const Scene&, const View&, const Quality&, const Sources&, bool explain);
+  Scene withoutAbsentLayers(Scene) const;
   Result<Frame> execute(const Plan&, const View&, std::stop_token, Frame reuse);
 
   MemoryBudget budget;
@@ -106,7 +110,8 @@ void Session::bridgeGaps(bool on) {
   impl_->bridge = on;
 }
 
-Result<void> Session::open(const std::vector<std::string>& paths, const ProgressFn& progress, std::stop_token stop) {
+Result<void> Session::open(const std::vector<std::string>& paths, const ProgressFn& progress,
+                           std::stop_token stop) {
   const TraceSpan span("open");
   impl_->study = {};
   impl_->metaImage = nullptr;
@@ -168,19 +173,21 @@ Result<StackChoice> Session::choose(const std::string& wanted) const {
   if (const auto n = positiveNumber(name); n && *n <= series.size()) {
     choice.series = *n - 1;
   } else {
-    const auto it = std::find_if(series.begin(), series.end(), [&](const Series& s) { return s.seriesUid == name; });
+    const auto it =
+        std::find_if(series.begin(), series.end(), [&](const Series& s) { return s.seriesUid == name; });
     if (it == series.end())
-      return makeError(ErrorCode::SeriesNotFound, "No series has this UID or number; `vernier info` numbers the " +
-                                                      std::to_string(series.size()) + " series.",
+      return makeError(ErrorCode::SeriesNotFound,
+                       "No series has this UID or number; `vernier info` numbers the " +
+                           std::to_string(series.size()) + " series.",
                        "--series");
     choice.series = static_cast<std::size_t>(it - series.begin());
   }
   if (hash != std::string::npos) {
     const auto n = positiveNumber(std::string_view(wanted).substr(hash + 1));
     if (!n || *n > series[choice.series].stacks.size())
-      return makeError(ErrorCode::SeriesNotFound, "The series has " +
-                                                      std::to_string(series[choice.series].stacks.size()) +
-                                                      " stacks; give #1 for the first.",
+      return makeError(ErrorCode::SeriesNotFound,
+                       "The series has " + std::to_string(series[choice.series].stacks.size()) +
+                           " stacks; give #1 for the first.",
                        "--series");
     choice.stack = *n - 1;
   }
@@ -190,7 +197,8 @@ Result<StackChoice> Session::choose(const std::string& wanted) const {
 }
 
 namespace {
-Result<StackChoice> resolve(const Session& session, const std::optional<StackChoice>& chosen, const std::string& source) {
+Result<StackChoice> resolve(const Session& session, const std::optional<StackChoice>& chosen,
+                            const std::string& source) {
   if (source.empty() && chosen) return *chosen;
   return session.choose(source);
 }
@@ -222,16 +230,17 @@ Result<std::int64_t> Session::imageCount(const std::string& source) const {
 
 Result<std::shared_ptr<const ImageFrame>> Session::image(const std::string& source, std::int64_t index) {
   if (impl_->metaImage)
-    return makeError(ErrorCode::NothingToLoad,
-                     "A MetaImage volume has no stored frames; use the views axial, coronal, sagittal or oblique.",
-                     "stack");
+    return makeError(
+        ErrorCode::NothingToLoad,
+        "A MetaImage volume has no stored frames; use the views axial, coronal, sagittal or oblique.",
+        "stack");
   const Result<StackChoice> c = resolve(*this, impl_->chosen, source);
   if (!c) return c.error();
   const Stack& stack = *stackOf(*c);
   if (index < 0 || index >= static_cast<std::int64_t>(stack.slices.size()))
-    return makeError(ErrorCode::OptionInvalid, "The stack has slices 0 to " +
-                                                   std::to_string(stack.slices.size() - 1) + ", got " +
-                                                   std::to_string(index) + ".",
+    return makeError(ErrorCode::OptionInvalid,
+                     "The stack has slices 0 to " + std::to_string(stack.slices.size() - 1) + ", got " +
+                         std::to_string(index) + ".",
                      "--slice");
   auto& slot = impl_->images[{c->series, c->stack, index}];
   if (slot) return slot;
@@ -262,8 +271,9 @@ const Capabilities& Session::Impl::look(bool withGl) {
   return *capabilities;
 }
 
-// Without a card native is the faster engine for all that it can draw, and looking for GL costs a context. So GL is
-// looked for only when it was asked for, when the plan is to be explained, or when native alone cannot show the scene.
+// Without a card native is the faster engine for all that it can draw, and looking for GL costs a context. So
+// GL is looked for only when it was asked for, when the plan is to be explained, or when native alone cannot
+// show the scene.
 Result<Plan> Session::Impl::planFor(const Scene& scene, const View& view, const Quality& quality,
                                     const Sources& sources, bool explain) {
   const bool glWanted = explain || quality.engine == EngineChoice::Gl || !quality.technique.empty();
@@ -296,6 +306,14 @@ Result<Plan> Session::plan(const Scene& scene, const View& view, const Quality& 
   const Result<Sources> sources = impl_->sourcesFor(*this, scene, {});
   if (!sources) return sources.error();
   return impl_->planFor(scene, view, quality, *sources, explain);
+}
+
+// The error of a picture is that of what it shows; layers that wait for a plugin are named in the plan's
+// notes.
+Scene Session::Impl::withoutAbsentLayers(Scene scene) const {
+  std::erase_if(scene.layers,
+                [&](const Layer& l) { return plugins.techniques().drawing(kindOf(l)).empty(); });
+  return scene;
 }
 
 Result<Frame> Session::Impl::execute(const Plan& plan, const View& view, std::stop_token stop, Frame reuse) {
@@ -347,10 +365,16 @@ Result<Rendered> Session::render(const Scene& scene, const View& view, const Qua
     if (frame) frame->prepare_ms = prepare_ms;
     return frame;
   };
+  const Scene shown = impl_->withoutAbsentLayers(scene);
+  if (shown.layers.empty() && !scene.layers.empty())
+    return makeError(ErrorCode::PluginMissing,
+                     "Nothing of the scene can be shown: " + kindOf(scene.layers[0]) + " needs plugin " +
+                         pluginOf(kindOf(scene.layers[0])) +
+                         ", which is not loaded; `vernier plugins` says why.");
   const quality::MeasureFrame measure = [&](const Frame& frame, double step) {
     quality::ErrorOptions error = options.error;
     error.reference.step = step;
-    return quality::measureError(frame, scene, view, *sources, error, stop);
+    return quality::measureError(frame, shown, view, *sources, error, stop);
   };
   if (!options.measure || asked.level == QualityLevel::Draft) {
     Result<Frame> frame = draw(asked.step);

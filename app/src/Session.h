@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Session: the one door. Opens studies, builds volumes, plans and renders; no globals, no argv, no exit(). Command
-// line, window, goldens, fuzzers and benchmarks use only this. Call from one thread; render() runs its passes on the
-// session's render thread, which alone touches GL.
+// Session: the one door. Opens studies, builds volumes, plans and renders; no globals, no argv, no exit().
+// Command line, window, goldens, fuzzers and benchmarks use only this. Call from one thread; render() runs
+// its passes on the session's render thread, which alone touches GL.
 #pragma once
 #include <memory>
 #include <optional>
@@ -19,27 +19,27 @@
 namespace vernier::app {
 
 struct SessionOptions {
-  int threads = 0;                          // 0 = all cores
-  std::uint64_t memory_mb = 0;              // 0 = half of what is free
-  std::vector<std::string> pluginFolders;   // besides the install folder
+  int threads = 0;                         // 0 = all cores
+  std::uint64_t memory_mb = 0;             // 0 = half of what is free
+  std::vector<std::string> pluginFolders;  // besides the install folder
 };
 
 // One picture with all that is known of it.
 struct Rendered {
   Frame frame;
   Plan plan;
-  std::optional<quality::ErrorReport> error;   // when asked for
-  double step = 1;                             // Quality::step that the picture was drawn with
-  bool goalReached = true;                     // false: the closed loop stopped above the goal
-  std::string goalNote;                        // "goal not reached: 0.9", or empty
+  std::optional<quality::ErrorReport> error;  // when asked for
+  double step = 1;                            // Quality::step that the picture was drawn with
+  bool goalReached = true;                    // false: the closed loop stopped above the goal
+  std::string goalNote;                       // "goal not reached: 0.9", or empty
 };
 
 struct RenderOptions {
-  bool measure = true;                  // measure the error of the picture
+  bool measure = true;  // measure the error of the picture
   quality::ErrorOptions error;
-  std::optional<double> goal;           // levels of 255; absent: the quality level's own (review 2, reference 0.5)
-  double timeLimit_ms = 60'000;         // of the closed loop
-  bool explain = false;                 // as in plan()
+  std::optional<double> goal;    // levels of 255; absent: the quality level's own (review 2, reference 0.5)
+  double timeLimit_ms = 60'000;  // of the closed loop
+  bool explain = false;          // as in plan()
 };
 
 // Which stack of what was opened. Sources in scenes are named "" (the chosen one), "UID" or "UID#stack".
@@ -57,15 +57,16 @@ class Session {
   const StudySet& study() const;
   bool isMetaImage() const;
 
-  // `series`: "" = the largest stack that can be shown in 3-D, else the largest image stack; a Series Instance UID; or
-  // the position in `info`, counted from 1; each with an optional "#stack" counted from 1.
+  // `series`: "" = the largest stack that can be shown in 3-D, else the largest image stack; a Series
+  // Instance UID; or the position in `info`, counted from 1; each with an optional "#stack" counted from 1.
   Result<StackChoice> choose(const std::string& series) const;
-  void use(StackChoice);                  // what source "" means from now on
+  void use(StackChoice);  // what source "" means from now on
   const Series* seriesOf(StackChoice) const;
   const Stack* stackOf(StackChoice) const;
 
   // Builds (once) what a source names.
-  Result<std::shared_ptr<const Volume>> volume(const std::string& source, const ProgressFn& = {}, std::stop_token = {});
+  Result<std::shared_ptr<const Volume>> volume(const std::string& source, const ProgressFn& = {},
+                                               std::stop_token = {});
   Result<std::shared_ptr<const ImageFrame>> image(const std::string& source, std::int64_t index);
   Result<std::int64_t> imageCount(const std::string& source) const;
   void bridgeGaps(bool);
@@ -76,14 +77,16 @@ class Session {
   int threadCount() const;
   std::uint64_t derivedBytes() const;  // textures and other derived data held after the last frame
 
-  // With `explain` GL is looked for even where the plan does not need it, so that its costs stand among the rejected.
+  // With `explain` GL is looked for even where the plan does not need it, so that its costs stand among the
+  // rejected.
   Result<Plan> plan(const Scene&, const View&, const Quality&, bool explain = false);
-  // `reuse` gives its buffers to the new frame. The closed loop of `review` and `reference` lowers quality.step until
-  // the measured error meets the goal; without measuring, one frame at quality.step.
-  Result<Rendered> render(const Scene&, const View&, const Quality&, const RenderOptions&, std::stop_token = {},
-                          Frame reuse = {});
+  // `reuse` gives its buffers to the new frame. The closed loop of `review` and `reference` lowers
+  // quality.step until the measured error meets the goal; without measuring, one frame at quality.step.
+  Result<Rendered> render(const Scene&, const View&, const Quality&, const RenderOptions&,
+                          std::stop_token = {}, Frame reuse = {});
 
-  // GL is looked for only when `withGl` (tens of ms); until then Capabilities::gl is false and glWhyNot says so.
+  // GL is looked for only when `withGl` (tens of ms); until then Capabilities::gl is false and glWhyNot says
+  // so.
   const Capabilities& capabilities(bool withGl);
   const std::vector<PluginInfo>& plugins() const;
   CostTable& costs();

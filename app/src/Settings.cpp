@@ -12,8 +12,10 @@ namespace {
 using nlohmann::json;
 
 std::string configPath() {
-  if (const char* xdg = std::getenv("XDG_CONFIG_HOME"); xdg && *xdg) return std::string(xdg) + "/vernier/config.json";
-  if (const char* home = std::getenv("HOME"); home && *home) return std::string(home) + "/.config/vernier/config.json";
+  if (const char* xdg = std::getenv("XDG_CONFIG_HOME"); xdg && *xdg)
+    return std::string(xdg) + "/vernier/config.json";
+  if (const char* home = std::getenv("HOME"); home && *home)
+    return std::string(home) + "/.config/vernier/config.json";
   return {};
 }
 
@@ -29,7 +31,8 @@ Result<json> readConfig() {
   return j;
 }
 
-// The text of a setting and where it came from; numbers in the file become text, so that one check serves all.
+// The text of a setting and where it came from; numbers in the file become text, so that one check serves
+// all.
 Setting pick(const std::string& name, const std::optional<std::string>& flag, const json& config,
              const std::string& fallback) {
   if (flag) return {name, *flag, "flag"};
@@ -49,8 +52,8 @@ Result<long> wholeNumber(const Setting& s, long least, long most) {
   const auto [p, ec] = std::from_chars(s.value.data(), end, n);
   if (ec != std::errc() || p != end || n < least || n > most)
     return makeError(ErrorCode::OptionInvalid,
-                     s.name + " is '" + s.value + "'; expected a whole number from " + std::to_string(least) + " to " +
-                         std::to_string(most) + ".",
+                     s.name + " is '" + s.value + "'; expected a whole number from " + std::to_string(least) +
+                         " to " + std::to_string(most) + ".",
                      s.source);
   return n;
 }
@@ -74,8 +77,8 @@ Result<Settings> readSettings(const SettingFlags& flags) {
   if (!m) return m.error();
   s.memory_mb = static_cast<std::uint64_t>(*m);
   if (engine.value != "auto" && engine.value != "gl" && engine.value != "native")
-    return makeError(ErrorCode::OptionInvalid, "engine is '" + engine.value + "'; expected auto, gl or native.",
-                     engine.source);
+    return makeError(ErrorCode::OptionInvalid,
+                     "engine is '" + engine.value + "'; expected auto, gl or native.", engine.source);
   s.engine = engine.value;
   s.pluginFolders = flags.pluginFolders;
   for (std::size_t at = 0; at < plugins.value.size();) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Settings of the program: flag > VERNIER_* > $XDG_CONFIG_HOME/vernier/config.json > default. `vernier doctor` prints
-// each value with its source.
+// Settings of the program: flag > VERNIER_* > $XDG_CONFIG_HOME/vernier/config.json > default. `vernier
+// doctor` prints each value with its source.
 #pragma once
 #include <optional>
 #include <string>
@@ -11,17 +11,17 @@
 namespace vernier::app {
 
 struct Setting {
-  std::string name;     // "threads"
+  std::string name;  // "threads"
   std::string value;
-  std::string source;   // "flag", "VERNIER_THREADS", "config.json", "default"
+  std::string source;  // "flag", "VERNIER_THREADS", "config.json", "default"
 };
 
 struct Settings {
-  int threads = 0;                          // 0 = all cores
-  std::uint64_t memory_mb = 0;              // 0 = half of what is free
-  std::string engine = "auto";              // auto | gl | native
-  std::vector<std::string> pluginFolders;   // besides the install folder
-  std::vector<Setting> sources;             // one per setting, for doctor
+  int threads = 0;                         // 0 = all cores
+  std::uint64_t memory_mb = 0;             // 0 = half of what is free
+  std::string engine = "auto";             // auto | gl | native
+  std::vector<std::string> pluginFolders;  // besides the install folder
+  std::vector<Setting> sources;            // one per setting, for doctor
 };
 
 // What flags gave; empty = not given.

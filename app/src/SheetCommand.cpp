@@ -41,17 +41,19 @@ Result<double> frame_ms(Session& session, const RenderRequest& r, double step, s
   return median(ms);
 }
 
-Result<SheetEntry> entryFor(Session& session, const Options& o, const Settings& settings, const std::string& view,
-                            const ProgressFn& progress, std::stop_token stop) {
+Result<SheetEntry> entryFor(Session& session, const Options& o, const Settings& settings,
+                            const std::string& view, const ProgressFn& progress, std::stop_token stop) {
   ViewOptions one = o.view;
   one.view = view;
   const Result<RenderRequest> request = makeRequest(session, one, settings, progress, stop);
   if (!request) return request.error();
-  const Result<Rendered> rendered = session.render(request->scene, request->view, request->quality, request->options, stop);
+  const Result<Rendered> rendered =
+      session.render(request->scene, request->view, request->quality, request->options, stop);
   if (!rendered) return rendered.error();
   const Result<double> ms = frame_ms(session, *request, rendered->step, stop);
   if (!ms) return ms.error();
-  Result<Picture> picture = finishedPicture(session, request->scene, request->view, *rendered, o.view.maxError, 1.0);
+  Result<Picture> picture =
+      finishedPicture(session, request->scene, request->view, *rendered, o.view.maxError, 1.0);
   if (!picture) return picture.error();
   SheetEntry entry;
   entry.picture = std::move(*picture);
@@ -59,8 +61,8 @@ Result<SheetEntry> entryFor(Session& session, const Options& o, const Settings& 
   entry.lines = {shortNumber(*ms) + " ms, " + rendered->frame.technique};
   if (rendered->error && rendered->error->bound) {
     const quality::ErrorReport& e = *rendered->error;
-    entry.lines.push_back("99 % within " + shortNumber(*e.bound) + " of 255, max " + shortNumber(e.max) +
-                          (e.exhaustive ? " (all pixels)" : ""));
+    entry.lines.push_back(errorLine(*e.bound, 99).text + ", max " +
+                          (e.max < 0.01 ? "< 0.01" : shortNumber(e.max)));
   }
   if (!rendered->goalNote.empty()) entry.lines.push_back(rendered->goalNote);
   return entry;
@@ -72,7 +74,8 @@ int run(const GlobalOptions& global, const Options& o) {
   const auto session = makeSession(global);
   if (!session) return 2;
   const std::stop_token stop = interruptToken();
-  if (const Result<void> r = session->open(o.view.inputs, terminalProgress(global), stop); !r) return report(r.error());
+  if (const Result<void> r = session->open(o.view.inputs, terminalProgress(global), stop); !r)
+    return report(r.error());
   std::vector<SheetEntry> entries;
   std::optional<Error> last;
   for (const std::string& view : o.views) {
@@ -97,7 +100,8 @@ int run(const GlobalOptions& global, const Options& o) {
 
 Command addSheet(CLI::App& app, GlobalOptions& global) {
   const auto o = std::make_shared<Options>();
-  CLI::App* sub = app.add_subcommand("sheet", "A contact sheet of a study's slices, with time and error under each");
+  CLI::App* sub =
+      app.add_subcommand("sheet", "A contact sheet of a study's slices, with time and error under each");
   addViewOptions(*sub, o->view);
   sub->add_option("--out", o->out, "Contact sheet, PNG")->required();
   sub->add_option("--title", o->title, "Title of the sheet");

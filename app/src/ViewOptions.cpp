@@ -53,7 +53,8 @@ Result<std::vector<std::pair<std::string, std::vector<std::string>>>> keyed(cons
   return out;
 }
 
-Result<glm::dvec3> vec3(const std::string& option, const std::string& key, const std::vector<std::string>& parts) {
+Result<glm::dvec3> vec3(const std::string& option, const std::string& key,
+                        const std::vector<std::string>& parts) {
   glm::dvec3 v;
   for (int i = 0; i < 3; ++i) {
     const auto x = parts.size() == 3 ? number(parts[static_cast<std::size_t>(i)]) : std::nullopt;
@@ -69,8 +70,10 @@ Result<glm::ivec2> parseSize(const std::string& text) {
   const auto parts = split(text, 'x');
   const auto w = parts.size() == 2 ? number(parts[0]) : std::nullopt;
   const auto h = parts.size() == 2 ? number(parts[1]) : std::nullopt;
-  if (!w || !h || *w != std::floor(*w) || *h != std::floor(*h) || *w < 1 || *h < 1 || *w > 16384 || *h > 16384)
-    return invalid("--size", "'" + text + "' is not WIDTHxHEIGHT with 1 to 16384 pixels each, such as 512x512.");
+  if (!w || !h || *w != std::floor(*w) || *h != std::floor(*h) || *w < 1 || *h < 1 || *w > 16384 ||
+      *h > 16384)
+    return invalid("--size",
+                   "'" + text + "' is not WIDTHxHEIGHT with 1 to 16384 pixels each, such as 512x512.");
   return glm::ivec2(static_cast<int>(*w), static_cast<int>(*h));
 }
 
@@ -88,14 +91,15 @@ Result<VoiWindow> windowPreset(const std::string& name, const std::string& unit)
     const char* name;
     double center, width;
   };
-  static constexpr Row kRows[] = {{"brain", 40, 80},      {"subdural", 75, 215}, {"stroke", 35, 40},
-                                  {"lung", -600, 1500},   {"bone", 400, 1800},   {"abdomen", 50, 400},
+  static constexpr Row kRows[] = {{"brain", 40, 80},        {"subdural", 75, 215}, {"stroke", 35, 40},
+                                  {"lung", -600, 1500},     {"bone", 400, 1800},   {"abdomen", 50, 400},
                                   {"mediastinum", 50, 350}, {"liver", 100, 150}};
   std::string names;
   for (const Row& r : kRows) {
     if (name == r.name) {
       if (unit != "HU")
-        return invalid("--preset", "The preset " + name + " is for CT in HU; these values are '" + unit + "'.");
+        return invalid("--preset",
+                       "The preset " + name + " is for CT in HU; these values are '" + unit + "'.");
       return VoiWindow{r.center, r.width, VoiFunction::Linear, r.name};
     }
     names += std::string(names.empty() ? "" : ", ") + r.name;
@@ -123,12 +127,14 @@ Result<Camera> parseCamera(const std::string& text) {
                      : key == "zoom"      ? &c.zoom
                                           : nullptr;
     if (!target)
-      return invalid("--camera", "No key '" + key + "'; there are azimuth, elevation, roll, projection, fov and zoom.");
+      return invalid("--camera",
+                     "No key '" + key + "'; there are azimuth, elevation, roll, projection, fov and zoom.");
     if (!x) return invalid("--camera", key + " needs one number.");
     *target = *x;
   }
   if (!(c.zoom > 0 && c.zoom <= 1e4)) return invalid("--camera", "zoom is above 0 and at most 10000.");
-  if (!(c.fov_deg > 0 && c.fov_deg < 180)) return invalid("--camera", "fov is above 0 and below 180 degrees.");
+  if (!(c.fov_deg > 0 && c.fov_deg < 180))
+    return invalid("--camera", "fov is above 0 and below 180 degrees.");
   return c;
 }
 
@@ -158,22 +164,28 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
   sub.add_option("INPUT", o.inputs, "Files or folders of DICOM, or one MetaImage file")->required();
   auto* view = sub.add_option("--view", o.view, "stack axial coronal sagittal oblique slab");
   sub.add_option("--scene", o.sceneFile, "Scene as JSON (docs/scene.md)")->excludes(view);
-  sub.add_option("--series", o.series, "Series Instance UID or number in `vernier info`, #2 for its second stack");
+  sub.add_option("--series", o.series,
+                 "Series Instance UID or number in `vernier info`, #2 for its second stack");
   sub.add_option("--size", o.size, "Picture, WxH pixels")->capture_default_str();
-  sub.add_option("--camera", o.camera, "azimuth=30,elevation=20,projection=orthographic,fov=30,zoom=1,roll=0");
+  sub.add_option("--camera", o.camera,
+                 "azimuth=30,elevation=20,projection=orthographic,fov=30,zoom=1,roll=0");
   sub.add_option("--plane", o.plane, "point=x,y,z,normal=x,y,z,up=x,y,z in patient mm");
   sub.add_option("--slice", o.slice, "Slice, counted from 0 along the view's axis (absent: the middle)");
-  sub.add_option("--slab", o.slab_mm, "Slab thickness in mm, centred on the plane")->check(CLI::Range(0.0, 1e5));
+  sub.add_option("--slab", o.slab_mm, "Slab thickness in mm, centred on the plane")
+      ->check(CLI::Range(0.0, 1e5));
   sub.add_option("--slab-mode", o.slabMode, "max min mean")->check(CLI::IsMember({"max", "min", "mean"}));
-  sub.add_option("--interpolation", o.interpolation, "nearest linear")->check(CLI::IsMember({"nearest", "linear"}));
+  sub.add_option("--interpolation", o.interpolation, "nearest linear")
+      ->check(CLI::IsMember({"nearest", "linear"}));
   auto* window = sub.add_option("--window", o.window, "CENTER,WIDTH in modality values (HU for CT)");
-  sub.add_option("--preset", o.preset, "brain subdural stroke lung bone abdomen mediastinum liver")->excludes(window);
+  sub.add_option("--preset", o.preset, "brain subdural stroke lung bone abdomen mediastinum liver")
+      ->excludes(window);
   sub.add_option("--engine", o.engine, "auto gl native")->check(CLI::IsMember({"auto", "gl", "native"}));
   sub.add_option("--technique", o.technique, "A technique by name, as in `vernier plugins`");
   sub.add_option("--quality", o.quality, "draft review reference")
       ->check(CLI::IsMember({"draft", "review", "reference"}))
       ->capture_default_str();
-  sub.add_option("--max-error", o.maxError, "Largest error wanted, in levels of 255; exit 4 when it is not reached")
+  sub.add_option("--max-error", o.maxError,
+                 "Largest error wanted, in levels of 255; exit 4 when it is not reached")
       ->check(CLI::PositiveNumber);
   sub.add_option("--min-fps", o.minFps, "Frames per second wanted")->check(CLI::PositiveNumber);
   sub.add_option("--error-samples", o.errorSamples, "Pixels that the error is measured at")
@@ -195,7 +207,8 @@ Result<Scene> sceneFromFile(const std::string& path) {
   return parseScene(text);
 }
 
-Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const ProgressFn& progress, std::stop_token stop) {
+Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const ProgressFn& progress,
+                            std::stop_token stop) {
   PresetOptions p;
   p.slice = o.slice;
   p.interpolation = o.interpolation == "nearest" ? Interpolation::Nearest : Interpolation::Linear;
@@ -226,7 +239,7 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
   if (o.view == "stack" && !session.isMetaImage()) {
     const Result<std::int64_t> count = session.imageCount("");
     if (!count) return count.error();
-    const std::int64_t index = o.slice.value_or((*count - 1) / 2);
+    const std::int64_t index = o.slice.value_or(*count / 2);
     const auto image = session.image("", index);
     if (!image) return image.error();
     if (const Result<void> r = withPreset((*image)->info().unit); !r) return r.error();
@@ -255,13 +268,17 @@ Result<RenderRequest> makeRequest(Session& session, const ViewOptions& o, const 
     return invalid("--series", "A MetaImage file is one volume and has no series.");
   }
   session.bridgeGaps(o.bridge);
-  if (o.view.empty() && o.sceneFile.empty()) return invalid("--view", "Say what to draw with --view or --scene.");
-  Result<Scene> scene = o.sceneFile.empty() ? sceneFromView(session, o, progress, stop) : sceneFromFile(o.sceneFile);
+  if (o.view.empty() && o.sceneFile.empty())
+    return invalid("--view", "Say what to draw with --view or --scene.");
+  Result<Scene> scene =
+      o.sceneFile.empty() ? sceneFromView(session, o, progress, stop) : sceneFromFile(o.sceneFile);
   if (!scene) return scene.error();
   r.scene = std::move(*scene);
   r.viewName = o.view;
   const std::string engine = o.engine.empty() ? settings.engine : o.engine;
-  r.quality.engine = engine == "gl" ? EngineChoice::Gl : engine == "native" ? EngineChoice::Native : EngineChoice::Auto;
+  r.quality.engine = engine == "gl"       ? EngineChoice::Gl
+                     : engine == "native" ? EngineChoice::Native
+                                          : EngineChoice::Auto;
   r.quality.technique = o.technique;
   r.quality.level = o.quality == "draft"       ? QualityLevel::Draft
                     : o.quality == "reference" ? QualityLevel::Reference

@@ -30,7 +30,7 @@ struct RenderRequest {
   View view;
   Quality quality;
   RenderOptions options;
-  std::string viewName;   // "" when a scene file was given
+  std::string viewName;  // "" when a scene file was given
 };
 
 // The parts, each with its own OptionInvalid sentence.
@@ -41,6 +41,7 @@ Result<Camera> parseCamera(const std::string&);
 Result<Plane> parsePlane(const std::string&);
 
 // The session has been opened; chooses the series and builds what the presets need.
-Result<RenderRequest> makeRequest(Session&, const ViewOptions&, const Settings&, const ProgressFn&, std::stop_token);
+Result<RenderRequest> makeRequest(Session&, const ViewOptions&, const Settings&, const ProgressFn&,
+                                  std::stop_token);
 
 }  // namespace vernier::app

@@ -27,13 +27,15 @@ constexpr Later kLater[] = {
 
 int notBuiltYet(const Later& command) {
   return report(makeError(ErrorCode::NotBuiltYet,
-                          "This command is not built yet; `vernier --help` lists those that are.", command.name));
+                          "This command is not built yet; `vernier --help` lists those that are.",
+                          command.name));
 }
 
 int runCli(int argc, char** argv) {
-  CLI::App app(std::string("Vernier ") + kVersion +
-               ": clinical review of volume images (CT, MR, angiography), each picture with its measured error.\n"
-               "Not a medical device; not for primary diagnosis.");
+  CLI::App app(
+      std::string("Vernier ") + kVersion +
+      ": clinical review of volume images (CT, MR, angiography), each picture with its measured error.\n"
+      "Not a medical device; not for primary diagnosis.");
   app.name("vernier");
   app.set_version_flag("--version", std::string("vernier ") + kVersion + "\nnot for primary diagnosis");
   app.require_subcommand(1);
@@ -45,28 +47,32 @@ int runCli(int argc, char** argv) {
       "  vernier phantom small-ct --out study        a synthetic study to try things on\n"
       "`vernier COMMAND --help` tells more of each.");
   GlobalOptions global;
-  app.add_option("--threads", global.flags.threads, "Threads to use (0 = all cores)")->check(CLI::Range(0, 1024));
+  app.add_option("--threads", global.flags.threads, "Threads to use (0 = all cores)")
+      ->check(CLI::Range(0, 1024));
   app.add_option("--plugins", global.flags.pluginFolders, "Another folder to load plugins from (repeatable)");
   app.add_option("--trace", global.traceFile, "Write spans of the work in Chrome's trace format");
   app.add_flag("--quiet", global.quiet, "No progress on the terminal");
 
-  std::vector<Command> commands = {addInfo(app, global),    addRender(app, global),  addSheet(app, global),
-                                   addBench(app, global),   addCompare(app, global), addPhantom(app, global),
-                                   addDoctor(app, global),  addPlugins(app, global)};
+  std::vector<Command> commands = {addInfo(app, global),   addRender(app, global),  addSheet(app, global),
+                                   addBench(app, global),  addCompare(app, global), addPhantom(app, global),
+                                   addDoctor(app, global), addPlugins(app, global)};
+  std::vector<Command> notYet;
   for (const Later& later : kLater) {
     CLI::App* sub = app.add_subcommand(later.name, std::string(later.what) + " (not built yet)");
-    sub->allow_extras();
-    commands.push_back({sub, [&later] { return notBuiltYet(later); }});
+    notYet.push_back({sub, [&later] { return notBuiltYet(later); }});
   }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
+    for (const Command& c : notYet)                  // its options are not known yet, so none is wrong
+      if (c.app->parsed()) return c.run();
     std::cerr << "vernier: " << e.what() << "; `vernier --help` shows the commands and options.\n";
     return 2;
   }
   if (!global.traceFile.empty()) traceStart();
   int code = 2;
+  commands.insert(commands.end(), notYet.begin(), notYet.end());
   for (const Command& c : commands)
     if (c.app->parsed()) code = c.run();
   if (!global.traceFile.empty())
@@ -79,6 +85,7 @@ int runCli(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   std::setlocale(LC_ALL, "C");
-  const auto code = vernier::guarded("vernier", [&]() -> vernier::Result<int> { return vernier::app::runCli(argc, argv); });
+  const auto code =
+      vernier::guarded("vernier", [&]() -> vernier::Result<int> { return vernier::app::runCli(argc, argv); });
   return code ? *code : vernier::app::report(code.error());
 }

@@ -10,8 +10,8 @@ vernier::Technique technique(const std::string& name) {
   vernier::Technique t;
   t.name = name;
   t.kinds = {"test-kind"};
-  t.passesFor = [name](const vernier::Layer&, std::size_t, const vernier::PlanContext&)
-      -> vernier::Result<std::vector<vernier::Pass>> {
+  t.passesFor = [name](const vernier::Layer&, std::size_t,
+                       const vernier::PlanContext&) -> vernier::Result<std::vector<vernier::Pass>> {
     vernier::Pass p;
     p.name = "test";
     p.technique = name;

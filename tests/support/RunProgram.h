@@ -16,7 +16,7 @@
 namespace vernier::test {
 
 struct ProgramRun {
-  int exitCode = -1;        // -1: ended by a signal or by the time limit
+  int exitCode = -1;  // -1: ended by a signal or by the time limit
   int signal = 0;
   bool timedOut = false;
   std::string out, err;
@@ -47,7 +47,8 @@ inline ProgramRun runProgram(const std::vector<std::string>& argv, double limit_
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit_s);
   pollfd fds[2] = {{out[0], POLLIN, 0}, {err[0], POLLIN, 0}};
   for (int open = 2; open > 0;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
     if (left.count() <= 0) {
       r.timedOut = true;
       ::kill(pid, SIGKILL);

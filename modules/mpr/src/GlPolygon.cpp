@@ -161,7 +161,6 @@ Result<void> execute(Host& host, const Pass& pass, Images& images, std::stop_tok
   if (Result<void> r = resolve(d, *target, *p, *code, images); !r) return r;
   images.counters.samples += pixels * static_cast<std::uint64_t>(p->slabSamples);
   addCounters(images.counters, before, d.counters());
-  ++images.counters.passes;
   return {};
 }
 

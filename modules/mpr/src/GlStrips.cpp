@@ -239,7 +239,6 @@ Result<void> execute(Host& host, const Pass& pass, Images& images, std::stop_tok
   if (Result<void> r = resolve(d, *target, *p, *code, images); !r) return r;
   images.counters.samples += samples;
   addCounters(images.counters, before, d.counters());
-  ++images.counters.passes;
   return {};
 }
 

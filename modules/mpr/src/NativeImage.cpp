@@ -193,7 +193,6 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
   });
   images.counters.samples += samples;
   if (stop.stop_requested()) return makeError(ErrorCode::Cancelled, "The image was cancelled.");
-  ++images.counters.passes;
   return {};
 }
 

@@ -66,9 +66,7 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
   const auto* p = dynamic_cast<const SliceParams*>(pass.params.get());
   if (!p) return makeError(ErrorCode::Internal, "The pass has no slice parameters.", "mpr.native");
   fitImages(images, p->view);
-  Result<void> drawn = native::drawSlice(jobOf(*p), images, stop);
-  if (drawn) ++images.counters.passes;
-  return drawn;
+  return native::drawSlice(jobOf(*p), images, stop);
 }
 
 }  // namespace

@@ -130,9 +130,9 @@ Annotations describeImage(const ImageLayer& layer, const ImagePicture& picture, 
 }
 
 TextLine errorLine(double bound, int confidence_percent, std::optional<double> limit) {
-  const std::string number = plainNumber(roundedUp(bound), 2);
-  return {"error <= " + number + " of 255 (" + std::to_string(confidence_percent) + " %)",
-          "<= " + number + "/255", limit && bound > *limit ? Tone::Amber : Tone::Normal};
+  // Below a hundredth of a level the exact figure (it is in the report) says nothing more to a reader.
+  const std::string number = bound > 0 && bound < 0.01 ? "< 0.01" : "<= " + plainNumber(roundedUp(bound), 2);
+  return {"error " + number + " of 255 (" + std::to_string(confidence_percent) + " %)", number + "/255", limit && bound > *limit ? Tone::Amber : Tone::Normal};
 }
 
 }  // namespace vernier

@@ -20,11 +20,12 @@ class PluginHostTest : public ::testing::Test {
                    const std::string& interface = "vernier.technique/1") {
     const fs::path folder = dir_.path() / name;
     fs::create_directory(folder);
-    fs::copy_file(fs::path(VERNIER_BUILD_DIR) / "tests/plugins-bad" / (library + ".so"), folder / (library + ".so"));
+    fs::copy_file(fs::path(VERNIER_BUILD_DIR) / "tests/plugins-bad" / (library + ".so"),
+                  folder / (library + ".so"));
     fs::permissions(folder / (library + ".so"), fs::perms::owner_all);
-    std::ofstream(folder / "plugin.json") << R"({"name": ")" << name << R"(", "version": "1", "interface": ")"
-                                          << interface << R"(", "library": ")" << library
-                                          << R"(.so", "needs": [)" << needs << "]}";
+    std::ofstream(folder / "plugin.json")
+        << R"({"name": ")" << name << R"(", "version": "1", "interface": ")"
+        << interface << R"(", "library": ")" << library << R"(.so", "needs": [)" << needs << "]}";
     return folder;
   }
   const PluginInfo& load(const std::string& name) {
@@ -39,7 +40,8 @@ class PluginHostTest : public ::testing::Test {
     return none;
   }
   test::TempDir dir_;
-  PluginHost host_{[]() -> Result<gpu::Device*> { return makeError(ErrorCode::GlUnavailable, "not in this test"); }};
+  PluginHost host_{
+      []() -> Result<gpu::Device*> { return makeError(ErrorCode::GlUnavailable, "not in this test"); }};
 };
 
 TEST_F(PluginHostTest, LoadsAGoodOne) {
@@ -90,7 +92,11 @@ TEST_F(PluginHostTest, RefusesDuplicateNameAndDuplicateTechnique) {
 }
 
 TEST_F(PluginHostTest, RefusesDamagedCards) {
-  const char* cards[] = {"", "{", "[]", R"({"name": 3})", R"({"name":"x","version":"1","interface":"i"})",
+  const char* cards[] = {"",
+                         "{",
+                         "[]",
+                         R"({"name": 3})",
+                         R"({"name":"x","version":"1","interface":"i"})",
                          R"({"name":"x","version":"1","interface":"i","library":"../good.so"})",
                          R"({"name":"x","version":"1","interface":"i","library":"good.so","needs":"good"})"};
   int n = 0;
@@ -123,7 +129,8 @@ TEST_F(PluginHostTest, RefusesWhatOthersMayWrite) {
   ::chmod(card.c_str(), 0666);
   ::chmod(install("folder", "good").c_str(), 0777);
   host_.load({dir_.path().string()});
-  for (const char* name : {"library", "card", "folder"}) EXPECT_EQ(info(name).state, PluginState::WritableByOthers) << name;
+  for (const char* name : {"library", "card", "folder"})
+    EXPECT_EQ(info(name).state, PluginState::WritableByOthers) << name;
 }
 
 TEST_F(PluginHostTest, NamesWhatIsNoPluginAndWhatCannotBeLoaded) {

@@ -15,7 +15,8 @@ class SettingsTest : public ::testing::Test {
  protected:
   SettingsTest() {
     ::setenv("XDG_CONFIG_HOME", dir_.path().c_str(), 1);
-    for (const char* v : {"VERNIER_THREADS", "VERNIER_ENGINE", "VERNIER_MEMORY_MB", "VERNIER_PLUGINS"}) ::unsetenv(v);
+    for (const char* v : {"VERNIER_THREADS", "VERNIER_ENGINE", "VERNIER_MEMORY_MB", "VERNIER_PLUGINS"})
+      ::unsetenv(v);
   }
   void config(const std::string& text) {
     std::filesystem::create_directories(dir_.path() / "vernier");

@@ -11,7 +11,8 @@ TEST(ViewOptions, ReadsWhatTheHelpShows) {
   const Result<VoiWindow> w = parseWindow("40,400");
   EXPECT_EQ(w->center, 40);
   EXPECT_EQ(w->width, 400);
-  const Result<Camera> c = parseCamera("azimuth=30,elevation=-20,projection=perspective,fov=40,zoom=2,roll=5");
+  const Result<Camera> c =
+      parseCamera("azimuth=30,elevation=-20,projection=perspective,fov=40,zoom=2,roll=5");
   ASSERT_TRUE(c.ok());
   EXPECT_EQ(c->elevation_deg, -20);
   EXPECT_EQ(c->projection, Projection::Perspective);
@@ -25,10 +26,13 @@ TEST(ViewOptions, ReadsWhatTheHelpShows) {
 TEST(ViewOptions, RefusesWithTheOptionsName) {
   for (const char* bad : {"", "512", "0x512", "512x99999", "a x b", "1e3x-1", "12.5x12", "512x512x512"})
     EXPECT_FALSE(parseSize(bad).ok()) << bad;
-  for (const char* bad : {"", "40", "40,0", "40,-5", "40,nan", "40,400,1", "40,4OO"}) EXPECT_FALSE(parseWindow(bad).ok()) << bad;
-  for (const char* bad : {"azimuth", "azimut=3", "zoom=0", "zoom=-1", "fov=180", "projection=isometric", "zoom=1,2", "zoom=inf"})
+  for (const char* bad : {"", "40", "40,0", "40,-5", "40,nan", "40,400,1", "40,4OO"})
+    EXPECT_FALSE(parseWindow(bad).ok()) << bad;
+  for (const char* bad : {"azimuth", "azimut=3", "zoom=0", "zoom=-1", "fov=180", "projection=isometric",
+                          "zoom=1,2", "zoom=inf"})
     EXPECT_FALSE(parseCamera(bad).ok()) << bad;
-  for (const char* bad : {"", "point=1,2,3", "point=1,2,normal=0,0,1,up=0,1,0", "point=1,2,3,normal=0,0,x,up=0,1,0"})
+  for (const char* bad :
+       {"", "point=1,2,3", "point=1,2,normal=0,0,1,up=0,1,0", "point=1,2,3,normal=0,0,x,up=0,1,0"})
     EXPECT_FALSE(parsePlane(bad).ok()) << bad;
   EXPECT_EQ(parseWindow("x").error().where, "--window");
   EXPECT_EQ(exitCode(parseSize("0x0").error().code), 2);

@@ -120,7 +120,7 @@ TEST(Describe, ErrorsAreRoundedUp) {
   EXPECT_EQ(errorLine(0, 99).text, "error <= 0 of 255 (99 %)");
   EXPECT_EQ(errorLine(9.91, 99).shortText, "<= 10/255");
   EXPECT_EQ(errorLine(123.4, 95).text, "error <= 130 of 255 (95 %)");
-  EXPECT_EQ(errorLine(1e-5, 99).text, "error <= 0.00001 of 255 (99 %)");
+  EXPECT_EQ(errorLine(1e-5, 99).text, "error < 0.01 of 255 (99 %)");
   EXPECT_EQ(errorLine(0.6, 99, 0.5).tone, Tone::Amber);
   EXPECT_EQ(errorLine(0.5, 99, 0.5).tone, Tone::Normal);
 }

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "Session.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "MakeDicom.h"
+#include "TestData.h"
+
+namespace vernier::app {
+namespace {
+namespace fs = std::filesystem;
+
+class SessionTest : public ::testing::Test {
+ protected:
+  SessionTest() {
+    test::DicomSlice big;
+    big.rows = 8, big.columns = 10;
+    test::writeSeries(dir_.path() / "big", 6, {0, 0, 2}, big);
+    test::DicomSlice small = big;
+    small.seriesUid = "2.25.2002";
+    test::writeSeries(dir_.path() / "small", 3, {0, 0, 2}, small);
+    options_.pluginFolders = {std::string(VERNIER_BUILD_DIR) + "/lib/vernier/plugins"};
+  }
+  Scene axial(Session& s) {
+    Scene scene;
+    SliceLayer layer;
+    layer.plane.point = (*s.volume(""))->grid().centre();
+    scene.layers = {layer};
+    return scene;
+  }
+  test::TempDir dir_;
+  SessionOptions options_;
+};
+
+TEST_F(SessionTest, ChoosesTheLargestOrWhatIsNamed) {
+  Session s(options_);
+  ASSERT_TRUE(s.open({dir_.path().string()}).ok());
+  EXPECT_EQ(s.seriesOf(*s.choose(""))->seriesUid, "2.25.1002");
+  EXPECT_EQ(s.seriesOf(*s.choose("2.25.2002"))->seriesUid, "2.25.2002");
+  EXPECT_TRUE(s.choose("2").ok());
+  EXPECT_TRUE(s.choose("1#1").ok());
+  for (const char* bad : {"3", "0", "2.25.9", "1#2", "1#", "#1"})
+    EXPECT_EQ(s.choose(bad).error().code, ErrorCode::SeriesNotFound) << bad;
+}
+
+TEST_F(SessionTest, AnInputWithoutImagesSaysSo) {
+  fs::create_directory(dir_.path() / "none");
+  std::ofstream(dir_.path() / "none/a.txt") << "text";
+  std::ofstream(dir_.path() / "none/b.txt") << "text";
+  Session s(options_);
+  ASSERT_TRUE(s.open({(dir_.path() / "none").string()}).ok());
+  EXPECT_EQ(s.choose("").error().code, ErrorCode::NothingToLoad);
+  EXPECT_EQ(s.open({(dir_.path() / "gone").string()}).error().code, ErrorCode::FileNotFound);
+}
+
+TEST_F(SessionTest, ASceneOfAbsentPluginsIsRefusedWithItsName) {
+  Session s(options_);
+  ASSERT_TRUE(s.open({dir_.path().string()}).ok());
+  Scene scene;
+  scene.layers = {CustomLayer{"shells", 1, "{}"}};
+  const auto r = s.render(scene, {}, {}, {});
+  ASSERT_FALSE(r.ok());
+  EXPECT_EQ(r.error().code, ErrorCode::PluginMissing);
+  EXPECT_NE(r.error().sentence.find("angiography"), std::string::npos);
+}
+
+TEST_F(SessionTest, AnAxialNativeSliceIsOnePassAndLooksForNoGl) {
+  Session s(options_);
+  ASSERT_TRUE(s.open({dir_.path().string()}).ok());
+  const auto r = s.render(axial(s), {}, {}, {});
+  ASSERT_TRUE(r.ok()) << r.error().text();
+  EXPECT_EQ(r->plan.passes.size(), 1u);
+  EXPECT_EQ(r->frame.images.counters.passes, 1u);
+  EXPECT_EQ(r->frame.engine, "native");
+  EXPECT_NE(s.capabilities(false).glWhyNot.find("nothing needed it"), std::string::npos);
+}
+
+TEST_F(SessionTest, StripsUploadNo3dTexture) {
+  Session s(options_);
+  ASSERT_TRUE(s.open({dir_.path().string()}).ok());
+  if (!s.capabilities(true).gl) {
+    ASSERT_EQ(std::getenv("VERNIER_REQUIRE_GL"), nullptr) << s.capabilities(true).glWhyNot;
+    std::cout << "[  NOTE    ] no OpenGL here: not checked\n";
+    return;
+  }
+  Quality q;
+  q.technique = "mpr.strips";
+  const auto strips = s.render(axial(s), {}, q, {});
+  ASSERT_TRUE(strips.ok()) << strips.error().text();
+  EXPECT_EQ(strips->frame.images.counters.textures3dCreated, 0u);
+  EXPECT_GT(strips->frame.images.counters.bytesUploaded, 0u);
+  q.technique = "mpr.polygon";
+  const auto polygon = s.render(axial(s), {}, q, {});
+  ASSERT_TRUE(polygon.ok()) << polygon.error().text();
+  EXPECT_EQ(polygon->frame.images.counters.textures3dCreated, 1u);
+}
+
+TEST_F(SessionTest, BuffersAreReusedAndThePictureIsTheSame) {
+  Session s(options_);
+  ASSERT_TRUE(s.open({dir_.path().string()}).ok());
+  auto first = s.render(axial(s), {}, {}, {});
+  ASSERT_TRUE(first.ok());
+  const std::vector<float> colour = first->frame.images.colour;
+  const float* address = first->frame.images.colour.data();
+  std::fill(first->frame.images.colour.begin(), first->frame.images.colour.end(), 7.0f);
+  RenderOptions plain;
+  plain.measure = false;
+  const auto second = s.render(axial(s), {}, {}, plain, {}, std::move(first->frame));
+  ASSERT_TRUE(second.ok());
+  EXPECT_EQ(second->frame.images.colour.data(), address);
+  EXPECT_EQ(second->frame.images.colour, colour);
+}
+
+TEST_F(SessionTest, CancelledWorkSaysSo) {
+  Session s(options_);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(s.open({dir_.path().string()}, {}, stop.get_token()).error().code, ErrorCode::Cancelled);
+  ASSERT_TRUE(s.open({dir_.path().string()}).ok());
+  EXPECT_EQ(s.render(axial(s), {}, {}, {}, stop.get_token()).error().code, ErrorCode::Cancelled);
+}
+
+TEST_F(SessionTest, APictureHasASize) {
+  Session s(options_);
+  ASSERT_TRUE(s.open({dir_.path().string()}).ok());
+  View none;
+  none.width_px = 0;
+  EXPECT_EQ(s.render(axial(s), none, {}, {}).error().code, ErrorCode::OptionInvalid);
+}
+
+}  // namespace
+}  // namespace vernier::app
