@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "SliceFast.h"
 #include "SliceKernel.h"
 #include "vernier/base/Threads.h"
 
@@ -57,7 +58,7 @@ void putPixel(const Display& display, const Target& target, int x, int y, double
   if (target.values) target.values[n] = static_cast<float>(modality);
 }
 
-bool drawsFast(const SliceJob&) { return false; }
+bool drawsFast(const SliceJob& job) { return fastSliceOf(job, latticeOf(job), displayOf(job)).has_value(); }
 
 Result<void> drawSlice(const SliceJob& job, Images& images, std::stop_token stop) {
   const std::size_t pixels = static_cast<std::size_t>(job.width_px) * static_cast<std::size_t>(job.height_px);
@@ -70,7 +71,8 @@ Result<void> drawSlice(const SliceJob& job, Images& images, std::stop_token stop
   const Display display = displayOf(job);
   const Target target{job.width_px, images.colour.data(), images.depth.data(),
                       images.values.empty() ? nullptr : images.values.data()};
-  const TileKernel kernel = generalKernel(job.volume->type());
+  const std::optional<FastSlice> fast = fastSliceOf(job, lattice, display);
+  const TileKernel general = generalKernel(job.volume->type());
   const int tilesX = (job.width_px + kTileWidth_px - 1) / kTileWidth_px;
   const int tilesY = (job.height_px + kTileHeight_px - 1) / kTileHeight_px;
   std::atomic<std::uint64_t> samples{0};
@@ -81,7 +83,8 @@ Result<void> drawSlice(const SliceJob& job, Images& images, std::stop_token stop
                   const int y0 = static_cast<int>(t) / tilesX * kTileHeight_px;
                   const Tile tile{x0, std::min(x0 + kTileWidth_px, job.width_px), y0,
                                   std::min(y0 + kTileHeight_px, job.height_px)};
-                  samples += kernel(job, lattice, display, target, tile, stop);
+                  samples += fast ? drawFast(*fast, job, lattice, display, target, tile, stop)
+                                  : general(job, lattice, display, target, tile, stop);
                 }
               });
   images.counters.samples += samples;

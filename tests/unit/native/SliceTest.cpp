@@ -5,6 +5,7 @@
 
 #include "SliceCases.h"
 #include "vernier/base/Threads.h"
+#include "vernier/native/Simd.h"
 
 namespace vernier::test {
 namespace {
@@ -293,6 +294,61 @@ TEST(Slice, StopsWhenAsked) {
   ASSERT_FALSE(stopped.ok());
   EXPECT_EQ(stopped.error().code, ErrorCode::Cancelled);
   EXPECT_LT(images.counters.samples, 400'000'000u);
+}
+
+TEST(Slice, FastKernelTakesWhatItCan) {
+  const auto fast = [](const GridGeometry& grid, auto sample, double zoomOut) {
+    const auto volume = randomVolume<decltype(sample)>(grid, 1);
+    native::SliceJob job = randomJob(*volume, 2, 64, 64);
+    job.picture.right = zoomOut * job.picture.right;
+    return native::drawsFast(job);
+  };
+  const GridGeometry even = everyGrid()[1].grid, uneven = everyGrid().back().grid;
+  EXPECT_TRUE(fast(even, std::uint8_t{}, 1));
+  EXPECT_TRUE(fast(even, std::int16_t{}, 1));
+  EXPECT_TRUE(fast(even, std::uint16_t{}, 1));
+  EXPECT_TRUE(fast(even, float{}, 1));
+  EXPECT_FALSE(fast(even, std::int32_t{}, 1));
+  EXPECT_FALSE(fast(uneven, std::int16_t{}, 1));
+  EXPECT_FALSE(fast(even, std::int16_t{}, 1e3));  // 16 pixels reach over more than 120 voxels
+  EXPECT_FALSE(fast(even, std::int16_t{}, 1e9));
+}
+
+TEST(Slice, EveryInstructionSetKeepsTheBound) {
+  GridGeometry large = everyGrid()[2].grid;
+  large.columns = 70, large.rows = 61, large.slices = 33;  // most tiles lie wholly inside
+  const auto volume = randomVolume<std::int16_t>(large, 21);
+  const auto floats = randomVolume<float>(large, 22);
+  const std::vector<std::string> targets = native::simdTargets();
+  ASSERT_FALSE(targets.empty());
+  EXPECT_EQ(native::simdTarget(), targets.front());
+  std::vector<float> first;
+  for (const std::string& target : targets) {
+    ASSERT_TRUE(native::useSimdTarget(target));
+    EXPECT_EQ(native::simdTarget(), target);
+    for (const auto& v : {volume, floats}) {
+      native::SliceJob job = randomJob(*v, 23, 193, 70);
+      job.picture.right = 0.5 * job.picture.right;
+      job.picture.down = 0.5 * job.picture.down;
+      job.picture.origin =
+          PatientPoint(large.centre().p - 96.5 * job.picture.right.v - 35.0 * job.picture.down.v);
+      expectWithinBound(job, target);
+      job.slab = {9.0, SlabMode::Mean};
+      job.slabSamples = 9;
+      expectWithinBound(job, target + " slab");
+    }
+    const native::SliceJob job = randomJob(*volume, 24, 130, 90);
+    Images images = imagesFor(job);
+    ASSERT_TRUE(native::drawSlice(job, images).ok());
+    if (first.empty()) first = images.values;
+    for (std::size_t n = 0; n < first.size(); ++n) {
+      ASSERT_EQ(std::isnan(first[n]), std::isnan(images.values[n])) << target;
+      if (std::isnan(first[n])) continue;
+      ASSERT_NEAR(first[n], images.values[n], 2e-3) << target;  // of 5250
+    }
+  }
+  EXPECT_FALSE(native::useSimdTarget("no such target"));
+  EXPECT_TRUE(native::useSimdTarget(""));
 }
 
 TEST(Slice, WrongImageSizeIsRefused) {

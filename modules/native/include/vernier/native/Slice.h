@@ -4,7 +4,7 @@
 // corners.
 //
 // Accuracy: voxel positions are exact to 2^-24 of a voxel, interpolation is in float relative to the window's
-// centre (fast kernel: even grids of 8 and 16 bit integers and float) or in double (general kernel: all
+// centre (fast kernel: even grids of U8, U16, I16 and F32) or in double (general kernel: all
 // else); both stay far below 1e-4 of the local range of voxel values (RENDERING 3, Slices). Frames: Pixel
 // (centres at half-integers, row 0 on top) to Patient mm by SlicePicture, to Voxel by the volume. Threads:
 // tiles by parallelFor; every pixel depends on its own position alone, so the picture is bit-equal for any
