@@ -119,10 +119,11 @@ class Builder {
                           ? decodeDoubles(failed, progress, stop)
                           : decodeStack(set_, stack_, sample_, voxels_.bytes(), failed, progress, stop);
     if (!ok) return ok;
+    std::vector<bool> lost(stack_.slices.size(), false);
+    for (const SliceFailure& f : failed) lost[f.slice] = true;
     std::vector<std::size_t> kept;
-    for (std::size_t s = 0; s < stack_.slices.size(); ++s)
-      if (std::none_of(failed.begin(), failed.end(), [s](const SliceFailure& f) { return f.slice == s; }))
-        kept.push_back(s);
+    for (std::size_t s = 0; s < lost.size(); ++s)
+      if (!lost[s]) kept.push_back(s);
     if (kept.empty()) return failed.front().error;
     const std::size_t sliceBytes = voxels_.size() / stack_.slices.size();
     for (std::size_t n = 0; n < kept.size(); ++n) {

@@ -196,9 +196,9 @@ TEST(Sampling, BorderIsHeldForHalfAVoxelAndRoundingIsForgiven) {
   EXPECT_EQ(*sampleModality(*v, PatientPoint(-0.5, 0, 0)), 0);
   EXPECT_EQ(*sampleModality(*v, PatientPoint(1.5, 1.5, 1.5)), 7);
   for (double e : {7e-15, 9e-10}) {
-    EXPECT_EQ(*sampleModality(*v, PatientPoint(0, 0, 0 - 0.5 - e)), 0);
-    EXPECT_EQ(*sampleModality(*v, PatientPoint(0, 0, 1.5 + e)), 4);
-    EXPECT_EQ(*sampleModality(*v, PatientPoint(1.5 + e, 0, 0)), 1);
+    EXPECT_EQ(sampleModality(*v, PatientPoint(0, 0, 0 - 0.5 - e)), 0);
+    EXPECT_EQ(sampleModality(*v, PatientPoint(0, 0, 1.5 + e)), 4);
+    EXPECT_EQ(sampleModality(*v, PatientPoint(1.5 + e, 0, 0)), 1);
   }
   for (double e : {1e-8, 0.1}) {
     EXPECT_FALSE(sampleModality(*v, PatientPoint(0, 0, -0.5 - e)));
