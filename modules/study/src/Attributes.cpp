@@ -291,7 +291,10 @@ void readPixels(const Header& h, Record& out) {
   }
   i.pixels = std::move(*spec);
   const FrameSpec& p = i.pixels;
-  if (h.pixels->encapsulated) return;
+  if (h.pixels->encapsulated) {
+    if (auto r = p.checkFileCanHold(h.pixels->bytesThere); !r) i.pixelError = r.error();
+    return;
+  }
   const auto bits = checkedProduct({p.rows, p.columns, p.samplesPerPixel, p.bitsAllocated, p.framesDeclared});
   // YBR_FULL_422 stores two chroma samples for two pixels.
   const std::uint64_t need = !bits ? 0 : (p.photometric == "YBR_FULL_422" ? *bits / 3 * 2 : *bits) / 8;

@@ -90,7 +90,8 @@ Result<void> FrameSpec::checkFileCanHold(std::uint64_t fileBytes) const {
     return makeError(ErrorCode::LimitExceeded, "The frames declared need more memory than can be counted.");
   const std::uint64_t allBytes = photometric.ends_with("_422") ? *all / 12 : *all / 8;
   std::uint64_t least = 0;
-  switch (syntaxKind(transferSyntaxUid)) {
+  const SyntaxKind kind = syntaxKind(transferSyntaxUid);
+  switch (kind) {
     case SyntaxKind::Native:
     case SyntaxKind::NativeBig:
       least = allBytes;
@@ -112,6 +113,11 @@ Result<void> FrameSpec::checkFileCanHold(std::uint64_t fileBytes) const {
     case SyntaxKind::Unknown:
       break;
   }
+  const bool image = kind == SyntaxKind::Jpeg || kind == SyntaxKind::JpegLs || kind == SyntaxKind::Jpeg2000;
+  if (image && *frame > limits::kAlwaysDecodedBytes && *frame / limits::kMaxImageRatio > fileBytes)
+    return makeError(ErrorCode::LimitExceeded, "The compressed image would grow to more than " +
+                                                   std::to_string(limits::kMaxImageRatio) +
+                                                   " times the size of its file; it is refused.");
   if (fileBytes < least)
     return makeError(
         ErrorCode::PixelDataShort,

@@ -221,7 +221,7 @@ void readDataset(ByteSource& s, std::uint64_t at, Header& out) {
     e.encoding = contentEncoding(*h, out.encoding);
     e.undefinedLength = h->length == kUndefined;
     if (isPixelTag(e.tag)) {
-      PixelElement p{e, e.undefinedLength, 0};
+      PixelElement p{e, e.undefinedLength, s.limit() - std::min(s.limit(), h->value)};
       if (!p.encapsulated) {
         p.element.length = h->length;
         // Of a file we know its size without reading on; what is deflated must be counted by inflating it.

@@ -38,7 +38,8 @@ struct Element {
 struct PixelElement {
   Element element;
   bool encapsulated = false;
-  std::uint64_t bytesThere = 0;  // of a native element: how many of `length` the file holds
+  std::uint64_t bytesThere =
+      0;  // native: how many of `length` the file holds; encapsulated: all up to its end
 };
 
 struct Header {

@@ -267,6 +267,43 @@ TEST(DecodeCodec, FramesInManyFragmentsAreFoundByTheirMarkers) {
   }
 }
 
+// SIZ of a codestream (JPEG 2000) rewritten: rows, columns and tiles that need gigabytes.
+TEST(DecodeCodec, FewBytesCannotAskForGigabytes) {
+  Bytes frame = encodeJpeg2000(someValues(8, false, 1, 9), 8, false, 1);
+  const auto set32 = [&](std::size_t at, std::uint32_t v) {
+    for (std::size_t i = 0; i < 4; ++i) frame[at + i] = static_cast<std::byte>(v >> (24 - 8 * i) & 0xFF);
+  };
+  set32(8, 16384);   // width
+  set32(12, 16384);  // height
+  set32(24, 1);      // tiles of one pixel
+  set32(28, 1);
+  FrameSpec spec = makeSpec(kJpeg2000, 16384, 16384, 8, 8);
+  EXPECT_EQ(decoded({frame}, spec).error().code, ErrorCode::LimitExceeded);
+  // Below the size that is always granted, but more tiles than bytes.
+  set32(8, 512);
+  set32(12, 512);
+  spec.rows = spec.columns = 512;
+  EXPECT_EQ(decoded({frame}, spec).error().code, ErrorCode::CodecFailed);
+}
+
+TEST(DecodeCodec, JpegOfManyScansAndUnknownKindsIsRefused) {
+  const Bytes frame = encodeJpegLossless(someValues(8, false, 1, 9), 8, 1);
+  const FrameSpec spec = specOf(kJpegLossless, 8, false, 1);
+  Bytes scans = frame;
+  for (int i = 0; i < 101; ++i)
+    for (int v : {0xFF, 0xDA}) scans.push_back(static_cast<std::byte>(v));
+  EXPECT_EQ(decoded({scans}, spec).error().code, ErrorCode::LimitExceeded);
+  for (std::size_t i = 0; i + 1 < frame.size(); ++i) {
+    if (frame[i] != std::byte{0xFF} || frame[i + 1] != std::byte{0xC3}) continue;
+    for (int kind : {0xC5, 0xC7, 0xC9, 0xCB, 0xCF}) {
+      Bytes other = frame;
+      other[i + 1] = static_cast<std::byte>(kind);
+      EXPECT_EQ(decoded({other}, spec).error().code, ErrorCode::CodecFailed);
+    }
+    break;
+  }
+}
+
 Bytes deflated(const Bytes& plain) {
   z_stream z{};
   EXPECT_EQ(deflateInit2(&z, 9, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY), Z_OK);

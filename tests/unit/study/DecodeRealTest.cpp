@@ -96,6 +96,37 @@ TEST(DecodeReal, MrBrainFse) { checkFolder("mr_brain_fse_series"); }
 TEST(DecodeReal, RtstructWithCt) { checkFolder("rtstruct_with_ct"); }
 TEST(DecodeReal, SegSr) { checkFolder("seg_sr_with_source"); }
 
+// No other tool here decodes RLE of single bits or deflated frames; both are the same image as liver.dcm.
+TEST(DecodeReal, SingleBitTwinsAreEqual) {
+  VERNIER_NEEDS_DATA("codec_emri_palette_planar");
+  const auto dir = dataDir() / "codec_emri_palette_planar";
+  const Decoded plain = decodeReal(dir / "liver.dcm");
+  ASSERT_FALSE(plain.error) << plain.error->text();
+  for (const char* twin : {"liver_rle.dcm", "liver_deflate.dcm"}) {
+    const Decoded d = decodeReal(dir / twin);
+    EXPECT_FALSE(d.error) << twin << ": " << d.error->text();
+    EXPECT_EQ(d.sha, plain.sha) << twin;
+  }
+}
+
+// Objects without expected values (colour and the like) decode without an error all the same.
+TEST(DecodeReal, ColourDecodes) {
+  VERNIER_NEEDS_DATA("expected/codec_small_singles.json");
+  std::size_t checked = 0;
+  for (const std::string folder : {"codec_small_singles", "codec_emri_palette_planar"}) {
+    const json expected = expectedOf(folder);
+    for (const json& object : expected["objects"]) {
+      const json pixels = object.value("pixels", json::object());
+      if (!pixels.contains("decoders") || pixels["decoders"].empty()) continue;
+      const std::string file = object["file"];
+      const Decoded d = decodeReal(dataDir() / folder / file);
+      EXPECT_FALSE(d.error) << file << ": " << d.error->text();
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 60u);
+}
+
 // Damaged objects: what must load equals its values, what must be refused is refused with one sentence, the
 // rest may do either, and nothing crashes.
 void checkVerdicts(const std::string& folder) {

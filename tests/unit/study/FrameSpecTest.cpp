@@ -213,6 +213,14 @@ TEST(FrameSpec, AFileMustBeAbleToHoldItsFrames) {
   EXPECT_EQ(s.checkFileCanHold(48'000 / 64 - 1).error().code, ErrorCode::PixelDataShort);
   s.transferSyntaxUid = "1.2.840.10008.1.2.4.70";
   EXPECT_EQ(s.checkFileCanHold(1000).error().code, ErrorCode::PixelDataShort);
+  // A few bytes of JPEG cannot ask for two gigabytes, but for what a blank image may take.
+  s.framesDeclared = 1;
+  s.rows = 65535;
+  s.columns = 16000;
+  EXPECT_EQ(s.checkFileCanHold(3000).error().code, ErrorCode::LimitExceeded);
+  s.rows = 4096;
+  s.columns = 8192;
+  EXPECT_TRUE(s.checkFileCanHold(3000).ok());
 }
 
 TEST(FrameSpec, SizesAreCountedWithoutOverflow) {

@@ -5,6 +5,7 @@
 
 #include "decode/Samples.h"
 #include "vernier/base/Guarded.h"
+#include "vernier/study/Limits.h"
 
 namespace vernier::study {
 namespace {
@@ -57,6 +58,17 @@ Result<void> decodeNative(Source& source, const PixelIndex& index, const FrameSp
   return unpackNative(to.subspan(skip), 0, spec, out);
 }
 
+// Codecs set aside a multiple of the decoded size before they meet the data.
+Result<void> checkRatio(ByteSpan coded, const FrameSpec& spec, std::uint64_t decoded) {
+  const SyntaxKind kind = syntaxKind(spec.transferSyntaxUid);
+  const bool image = kind == SyntaxKind::Jpeg || kind == SyntaxKind::JpegLs || kind == SyntaxKind::Jpeg2000;
+  if (!image || decoded <= limits::kAlwaysDecodedBytes || decoded / limits::kMaxImageRatio <= coded.size())
+    return {};
+  return makeError(ErrorCode::LimitExceeded, "A compressed frame would grow to more than " +
+                                                 std::to_string(limits::kMaxImageRatio) +
+                                                 " times its size; it is refused.");
+}
+
 Result<void> decodeEncapsulated(Source& source, const PixelIndex& index, const FrameSpec& spec,
                                 std::uint64_t frame, std::span<std::byte> out, Scratch& scratch) {
   const std::size_t first = index.firstFragment[frame], last = index.firstFragment[frame + 1];
@@ -76,6 +88,7 @@ Result<void> decodeEncapsulated(Source& source, const PixelIndex& index, const F
   if (bytes.empty())
     return makeError(ErrorCode::CodecFailed, "The compressed data of frame " + std::to_string(frame + 1) +
                                                  " is empty; fetch the file again from its source.");
+  if (auto r = checkRatio(bytes, spec, out.size()); !r) return r;
   switch (syntaxKind(spec.transferSyntaxUid)) {
     case SyntaxKind::Rle:
       return decodeRle(bytes, spec, out, scratch);

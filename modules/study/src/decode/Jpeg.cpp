@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "decode/Codecs.h"
+#include "vernier/study/Limits.h"
 
 namespace vernier::study {
 namespace {
@@ -51,7 +52,8 @@ std::optional<JpegHeader> findFrameHeader(ByteSpan b) {
     const std::size_t length = be16(b, at + 2);
     if (length < 2 || at + 2 + length > b.size() || marker == 0xD9 || marker == 0xDA) return std::nullopt;
     if (marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC) {
-      if (length < 8) return std::nullopt;
+      // Baseline, extended, progressive, lossless; the hierarchical and arithmetic ones were never DICOM's.
+      if (length < 8 || marker > 0xC3) return std::nullopt;
       JpegHeader h;
       h.image.precision = std::to_integer<std::uint32_t>(b[at + 4]);
       h.image.rows = be16(b, at + 5);
@@ -63,6 +65,13 @@ std::optional<JpegHeader> findFrameHeader(ByteSpan b) {
     at += 2 + length;
   }
   return std::nullopt;
+}
+
+// Inside coded data FF is always followed by 00 or a restart marker, so that FFDA is a scan header.
+std::uint64_t countScans(ByteSpan b) {
+  std::uint64_t n = 0;
+  for (std::size_t i = 0; i + 1 < b.size(); ++i) n += b[i] == std::byte{0xFF} && b[i + 1] == std::byte{0xDA};
+  return n;
 }
 
 // The library tells warnings to its log; what matters comes back as an error.
@@ -85,6 +94,10 @@ Result<void> decodeJpeg(ByteSpan frame, const FrameSpec& spec, std::span<std::by
   const auto header = findFrameHeader(frame);
   if (!header) return failed("has no readable header");
   if (auto r = checkCoded(header->image, spec); !r) return r;
+  if (countScans(frame) > limits::kMaxJpegScans)
+    return makeError(ErrorCode::LimitExceeded, "The JPEG data of a frame has more than " +
+                                                   std::to_string(limits::kMaxJpegScans) +
+                                                   " scans; it is refused.");
   const DJCodecParameter parameters(ECC_lossyYCbCr, EDC_never, EUC_never, EPC_default);
   const auto decoder = decoderFor(*header, parameters, spec.photometric.starts_with("YBR"));
   if (!decoder) return failed("is lossy with more than 12 bits, which JPEG does not have");

@@ -115,6 +115,8 @@ Result<Image> decodeImage(ByteSpan frame, const FrameSpec& spec) {
                          image->numcomps > 0 ? image->comps[0].prec : 0};
   if (auto r = checkCoded(coded, spec); !r) return r.error();
   if (!opj_decode(codec.get(), stream.get(), image.get())) return failed("is cut short or damaged");
+  // A palette of a JP2 box changes the components.
+  if (image->numcomps != spec.samplesPerPixel) return failed("turns into another number of components");
   return image;
 }
 

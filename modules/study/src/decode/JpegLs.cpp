@@ -12,8 +12,8 @@
 namespace vernier::study {
 
 Result<void> decodeJpegLs(ByteSpan frame, const FrameSpec& spec, std::span<std::byte> out, Scratch& scratch) {
-  // CharLS 2.4 counts through 2^31 bits that are not there when the data ends early, but stops at a marker: so every
-  // frame gets an end marker of its own. Behind the end of sound data nothing is read.
+  // CharLS 2.4 counts through 2^31 bits that are not there when the data ends early, but stops at a marker:
+  // so every frame gets an end marker of its own. Behind the end of sound data nothing is read.
   constexpr std::array<std::byte, 2> kEndOfImage{std::byte{0xFF}, std::byte{0xD9}};
   std::vector<std::byte> ended(frame.size() + kEndOfImage.size());
   std::ranges::copy(kEndOfImage, std::ranges::copy(frame, ended.begin()).out);

@@ -13,4 +13,10 @@ inline constexpr std::uint64_t kMaxFilesPerStudy = 200'000;
 inline constexpr std::uint64_t kMaxInflateRatio = 200;  // deflated syntax: output bytes per input byte
 inline constexpr std::uint64_t kMaxInflatedBytes = std::uint64_t{2} << 30;
 inline constexpr std::uint64_t kMaxFragments = 1'000'000;
+// JPEG, JPEG-LS, JPEG 2000: what a frame may decode to, so that a few bytes cannot ask for gigabytes. A blank image
+// packs denser than any ratio, so that up to kAlwaysDecodedBytes are granted to every frame.
+inline constexpr std::uint64_t kMaxImageRatio = 4096;
+inline constexpr std::uint64_t kAlwaysDecodedBytes = std::uint64_t{64} << 20;
+// Progressive JPEG goes over the whole image for each scan: a small file with very many scans is refused.
+inline constexpr std::uint64_t kMaxJpegScans = 100;
 }  // namespace vernier::limits
