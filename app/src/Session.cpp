@@ -321,7 +321,8 @@ Result<Frame> Session::Impl::execute(const Plan& plan, const View& view, std::st
   const auto begin = Clock::now();
   Frame frame = std::move(reuse);
   frame.images.counters = {};
-  frame.images.allocate(view.width_px, view.height_px, view.wantValues);
+  // Techniques size the images and write every pixel; clearing them first would cost as much as a slice.
+  if (plan.passes.empty()) frame.images.allocate(view.width_px, view.height_px, view.wantValues);
   Result<void> done;
   renderThread.run([&] {
     for (const Pass& pass : plan.passes) {

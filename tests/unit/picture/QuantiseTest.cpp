@@ -54,5 +54,26 @@ TEST(Quantise, LargePicturesAreTheSameForAnyThreads) {
     }
 }
 
+// Runs of grey take another way than colour; both give the same levels, also where a run begins, ends or is
+// broken.
+TEST(Quantise, EveryPixelOfAPictureIsQuantisedAsItsNumbersAre) {
+  Images images;
+  images.allocate(701, 13, false);
+  for (std::size_t i = 0; i < 701 * 13; ++i) {
+    const float grey = static_cast<float>(static_cast<double>(i) / 9000.0 * 1.2 - 0.1);
+    float* p = &images.colour[4 * i];
+    p[0] = p[1] = p[2] = i % 3 == 0 ? static_cast<float>((static_cast<double>(i % 256) + 0.5) / 255.0) : grey;
+    if (i > 4000 && i % 97 == 0) p[1] = 0.25f;
+    if (i > 7000 && i % 301 == 0) p[0] = p[1] = p[2] = std::numeric_limits<float>::quiet_NaN();
+  }
+  const Picture picture = quantise(images);
+  for (std::size_t i = 0; i < 701 * 13; ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float x = images.colour[4 * i + c];
+      const std::uint8_t marker[] = {kMarker.r, kMarker.g, kMarker.b};
+      ASSERT_EQ(picture.pixels[3 * i + c], std::isnan(x) ? marker[c] : quantise(x)) << i;
+    }
+}
+
 }  // namespace
 }  // namespace vernier
