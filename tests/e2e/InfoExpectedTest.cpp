@@ -10,6 +10,7 @@
 #include <set>
 
 #include "ExpectedFacts.h"
+#include "InfoJson.h"
 #include "TestData.h"
 
 namespace vernier::test {
@@ -433,6 +434,21 @@ TEST(InfoValues, FilesWithEqualExpectedHashDecodeToEqualValues) {
     hashes[o.at("sop_instance_uid")].insert(o.at("pixels").at("stored_sha256_int32le").get<std::string>());
   EXPECT_EQ(hashes.size(), 4u);
   for (const auto& [uid, set] : hashes) EXPECT_EQ(set.size(), 1u);
+}
+
+TEST(InfoText, SaysGeometryFindingsAndWhatFailed) {
+  VERNIER_NEEDS_DATA("geometry_faults");
+  auto set = scanStudy({(dataDir() / "geometry_faults").string()});
+  ASSERT_TRUE(set);
+  set->patients[0].name = "Evil\x1b[2J^Name";  // a terminal must not obey it
+  set->files.push_back({"", "broken.dcm", 3, FileKind::Unreadable,
+                        makeError(ErrorCode::FileDamaged, "It is broken.", "broken.dcm")});
+  const std::string text = infoText(*set);
+  for (const char* part :
+       {"tilt 14 degrees", "1 gap", "WARNING gap: 1 slice is missing between 28.1 and 38.1 mm",
+        "Failed broken.dcm: It is broken.", "3 studies, 3 series, 10 objects"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  EXPECT_EQ(text.find('\x1b'), std::string::npos);
 }
 
 }  // namespace

@@ -199,6 +199,13 @@ bool onlyZeros(ByteSource& s, std::uint64_t at) {
 // The data set from `at` to the pixel data or the end.
 void readDataset(ByteSource& s, std::uint64_t at, Header& out) {
   while (true) {
+    if (at > limits::kMaxHeaderBytes || out.elements.size() >= limits::kMaxElements) {
+      out.damage = makeError(ErrorCode::LimitExceeded,
+                             "The header is larger than the limits of " +
+                                 std::to_string(limits::kMaxHeaderBytes >> 20) + " MiB and " +
+                                 std::to_string(limits::kMaxElements) + " elements; the file is refused.");
+      return;
+    }
     const auto h = readHead(s, at, out.encoding);
     if (!h) {
       if (s.failure())
@@ -366,11 +373,11 @@ std::vector<std::vector<Element>> itemsOf(const Header& header, const Element& s
     const auto h = readHead(s, at, sequence.encoding);
     if (!h || h->tag != kItem) break;
     const bool open = h->length == kUndefined;
-    if (!open && h->length > end - h->value) break;
+    // An item that claims more than its sequence holds gives what is there.
+    const std::uint64_t itemEnd = open ? end : h->value + std::min<std::uint64_t>(h->length, end - h->value);
     items.emplace_back();
-    const std::uint64_t stop =
-        readItem(s, h->value, open ? end : h->value + h->length, sequence.encoding, items.back());
-    at = open ? stop : h->value + h->length;
+    const std::uint64_t stop = readItem(s, h->value, itemEnd, sequence.encoding, items.back());
+    at = open ? stop : itemEnd;
   }
   return items;
 }

@@ -3,6 +3,7 @@
 
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dctk.h>
+#include <dcmtk/oflog/oflog.h>
 
 #include <memory>
 
@@ -12,8 +13,14 @@
 namespace vernier {
 namespace {
 
-// newDicomElementWithVR() and tags with their VR: anything else would load DCMTK's dictionary, 50 ms for each program.
-// The element as it stands in the file: its VR is kept, so that frameSpecFrom() sees a lie.
+// DCMTK writes its opinion of bad values to stderr, where a program's one sentence stands.
+void silenceDcmtk() {
+  static const bool silent = (OFLog::configure(OFLogger::OFF_LOG_LEVEL), true);
+  (void)silent;
+}
+
+// newDicomElementWithVR() and tags with their VR: anything else would load DCMTK's dictionary, 50 ms for each
+// program. The element as it stands in the file: its VR is kept, so that frameSpecFrom() sees a lie.
 void copyTo(DcmItem& item, const Header& h, const Element& e, DcmEVR expected) {
   const char vrText[3] = {e.vr[0], e.vr[1], 0};
   DcmEVR vr = e.vr[0] == ' ' ? expected : DcmVR(vrText).getEVR();
@@ -59,6 +66,7 @@ constexpr Wanted kPixelModule[] = {{0x00080016, EVR_UI}, {0x00280002, EVR_US}, {
 
 Result<FrameSpec> frameSpecOf(const Header& h) {
   return guarded("frameSpecOf", [&]() -> Result<FrameSpec> {
+    silenceDcmtk();
     DcmItem item;
     for (const Wanted& w : kPixelModule)
       if (const Element* e = h.find(w.tag); e && e->length <= 1024) copyTo(item, h, *e, w.vr);

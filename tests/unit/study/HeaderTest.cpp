@@ -7,6 +7,7 @@
 
 #include "Attributes.h"
 #include "HeaderBytes.h"
+#include "vernier/base/Random.h"
 #include "vernier/study/Limits.h"
 
 namespace vernier {
@@ -191,6 +192,54 @@ TEST(Header, CutAnywhereNeverFails) {
     else
       EXPECT_FALSE(h.error().sentence.empty());
   }
+}
+
+TEST(Header, ElementsAtAndOverTheLimit) {
+  const auto many = [](std::size_t n) {
+    Bytes b;
+    b.part10();
+    for (std::size_t i = 0; i < n; ++i) b.element(9, 0x1001, "LO", "");
+    return b;
+  };
+  EXPECT_FALSE(read(many(limits::kMaxElements - 1)).damage);
+  const Header over = read(many(limits::kMaxElements + 1));
+  ASSERT_TRUE(over.damage);
+  EXPECT_EQ(over.damage->code, ErrorCode::LimitExceeded);
+}
+
+TEST(Header, ElementAtAndOverTheSizeLimit) {
+  for (const std::uint64_t over : {0, 2}) {
+    Bytes b;
+    b.part10().ctObject();
+    const auto n = static_cast<std::uint32_t>(limits::kMaxNonPixelElementBytes + over);
+    b.longHead(9, 0x1001, "OB", n).raw(std::string(n, 'x')).element(0x10, 0x20, "LO", "ID");
+    const Header h = read(b);
+    EXPECT_EQ(h.damage.has_value(), over > 0);
+    EXPECT_EQ(text(h, 0x00100020), over > 0 ? "(absent)" : "ID");
+  }
+}
+
+TEST(Header, DamagedBytesNeverDoHarm) {
+  Bytes good = nested(4);
+  good.element(0x28, 2, "US", std::string("\1\0", 2)).element(0x28, 0x10, "US", std::string("\4\0", 2));
+  good.longHead(0x28, 0x3010, "SQ", kUndefinedLength).item(kUndefinedLength);
+  good.element(0x28, 0x3002, "US", std::string("\2\0\0\0\10\0", 6)).element(0x28, 0x3006, "US", "abcd");
+  good.itemEnd().sequenceEnd().longHead(0x7FE0, 0x10, "OW", 4).raw("abcd");
+  ::testing::internal::CaptureStderr();
+  for (std::uint64_t n = 0; n < 20000; ++n) {
+    Bytes bad = good;
+    for (std::uint64_t k = 0; k <= n % 4; ++k) {
+      const auto at = static_cast<std::size_t>(randomBits(n, 2 * k) % (bad.data.size() - 132)) + 132;
+      bad.data[at] = static_cast<char>(randomBits(n, 2 * k + 1));
+    }
+    const auto source = memorySource(bad.span());
+    const auto h = readHeader(*source);
+    if (!h) continue;
+    const Record r = recordFrom(*h);
+    for (const Element& e : h->elements) EXPECT_LE(e.offset + e.length, h->bytes.size());
+    EXPECT_LE(r.instance.voiLuts.size(), 1000u);
+  }
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");  // no library may speak
 }
 
 TEST(Header, WithoutPreambleOnlyAPlausibleStart) {

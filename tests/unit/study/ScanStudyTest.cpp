@@ -243,6 +243,30 @@ TEST(ScanStudy, ObjectsOfTwoPatientsAreNeverOneStack) {
   for (const Stack& s : set.series[0].stacks) EXPECT_EQ(s.label.find("TEST"), std::string::npos);
 }
 
+TEST(ScanStudy, DicomDirOpenedByItselfIsAnIndex) {
+  VERNIER_NEEDS_DATA("dicomdir_tree");
+  const fs::path dir = test::dataDir() / "dicomdir_tree";
+  // Files by name, all there, beside other DICOMDIRs and objects that it does not name.
+  for (const auto& [name, n] : {std::pair("DICOMDIR", 31u), std::pair("DICOMDIR-bigEnd", 31u),
+                                std::pair("DICOMDIR-implicit", 31u), std::pair("DICOMDIR-reordered", 31u),
+                                std::pair("DICOMDIR-nooffset", 31u), std::pair("TINY_ALPHA/DICOMDIR", 50u)}) {
+    SCOPED_TRACE(name);
+    const StudySet set = scan(dir / name);
+    EXPECT_EQ(set.instances.size(), n);
+    ASSERT_FALSE(set.findings.empty());
+    EXPECT_EQ(set.findings[0].code, "dicomdir");
+    EXPECT_EQ(std::get<double>(set.findings[0].numbers.at("referenced_files")), n);
+    EXPECT_EQ(std::get<double>(set.findings[0].numbers.at("referenced_files_present")), n);
+    EXPECT_EQ(set.files.size(), n + 1);
+  }
+  // 28 files by names that are not there: said, and nothing else is loaded instead.
+  VERNIER_NEEDS_DATA("ct_phantom_head_series");
+  const StudySet lost = scan(test::dataDir() / "ct_phantom_head_series" / "DIRFILE");
+  EXPECT_TRUE(lost.instances.empty());
+  EXPECT_EQ(std::get<double>(lost.findings.at(0).numbers.at("referenced_files")), 28);
+  EXPECT_EQ(std::get<double>(lost.findings[0].numbers.at("referenced_files_present")), 0);
+}
+
 TEST(SopClasses, AreInOrderAndNamed) {
   // Looked up by binary search: any two neighbours out of order would hide a class.
   for (const char* uid :

@@ -8,6 +8,8 @@ inline constexpr std::uint64_t kMaxRows = 65535, kMaxColumns = 65535;
 inline constexpr std::uint64_t kMaxFrames = 100'000;
 inline constexpr std::uint64_t kMaxDecodedFrameBytes = std::uint64_t{2} << 30;
 inline constexpr std::uint64_t kMaxNonPixelElementBytes = std::uint64_t{64} << 20;
+inline constexpr std::uint64_t kMaxHeaderBytes = std::uint64_t{512} << 20;  // everything before the pixel data
+inline constexpr std::uint64_t kMaxElements = 1'000'000;                    // top-level elements of an object
 inline constexpr int kMaxSequenceDepth = 64;
 inline constexpr std::uint64_t kMaxFilesPerStudy = 200'000;
 inline constexpr std::uint64_t kMaxInflateRatio = 200;  // deflated syntax: output bytes per input byte
