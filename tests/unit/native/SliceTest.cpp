@@ -246,6 +246,22 @@ TEST(Slice, EverySlopeOfItsOwnSlice) {
   expectWithinBound(randomJob(*volume, 12, 80, 60), "per-slice rescale");
 }
 
+// With a negative slope the greatest modality value is the least stored one.
+TEST(Slice, NegativeSlope) {
+  VolumeInfo info;
+  info.grid = everyGrid()[1].grid;
+  info.rescale = {{-2, 100}};
+  info.noData = NoDataRange{-5, 12};
+  const auto volume = volumeOf<std::int16_t>(info, randomValues<std::int16_t>(7 * 6 * 9, 4, -100, 1000));
+  native::SliceJob job = randomJob(*volume, 12, 80, 60);
+  ASSERT_TRUE(native::drawsFast(job));
+  job.slabSamples = 6;
+  for (const SlabMode mode : {SlabMode::Max, SlabMode::Min, SlabMode::Mean}) {
+    job.slab = {5.0, mode};
+    expectWithinBound(job, "negative slope");
+  }
+}
+
 TEST(Slice, SameBitsForOneTwoAndThreeThreads) {
   const auto volume = randomVolume<std::int16_t>(everyGrid()[2].grid, 5);
   for (const int slabSamples : {1, 7}) {
