@@ -50,6 +50,13 @@ Json planFacts(const Plan& plan) {
   return j;
 }
 
+Json ladderFacts(const std::vector<quality::LadderRung>& rungs) {
+  Json j = Json::array();
+  for (const quality::LadderRung& r : rungs)
+    j.push_back({{"step", r.step}, {"bound", r.error.bound ? Json(*r.error.bound) : Json()}, {"rms", r.error.rms}});
+  return j;
+}
+
 Json errorFacts(const quality::ErrorReport& e, const std::string& goalNote) {
   Json j = {{"unit", "level/255"},
             {"n", e.n},
@@ -121,6 +128,7 @@ std::string reportJson(const ReportInput& in) {
                  {"derived_mb", static_cast<double>(in.session->derivedBytes()) / 1048576.0},
                  {"peak_rss_mb", peakRss_mb()}};
   j["error"] = r.error ? errorFacts(*r.error, r.goalNote) : Json();
+  j["ladder"] = ladderFacts(r.rungs);
   j["image"] = {
       {"width", r.frame.images.width}, {"height", r.frame.images.height}, {"sha256", in.imageSha256}};
   return j.dump(2) + "\n";

@@ -405,6 +405,7 @@ Result<Rendered> Session::render(const Scene& scene, const View& view, const Qua
   out.step = quality.step;
   out.goalReached = reached->goalReached;
   out.goalNote = std::move(reached->said);
+  out.rungs = std::move(reached->rungs);
   return out;
 }
 

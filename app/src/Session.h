@@ -32,6 +32,7 @@ struct Rendered {
   double step = 1;                            // Quality::step that the picture was drawn with
   bool goalReached = true;                    // false: the closed loop stopped above the goal
   std::string goalNote;                       // "goal not reached: 0.9", or empty
+  std::vector<quality::LadderRung> rungs;  // all steps of the closed loop that were drawn and measured
 };
 
 struct RenderOptions {
