@@ -89,19 +89,53 @@ std::vector<Beside> besides(int pixels, double start_px, double pxPerSample, std
   return out;
 }
 
-// Modality value at a pixel, NaN = no data.
-double valueAt(const ImageFrame& frame, const Beside& x, const Beside& y) {
-  double sum = 0, weight = 0;
-  const auto add = [&](std::int64_t column, std::int64_t row, double w) {
-    if (!(w > 0) || isNoData(frame.info(), frame.stored(column, row))) return;
-    sum += w * frame.modality(column, row);
-    weight += w;
+// Modality values of the frame's rows, NaN = no data, each row converted once while neighbouring picture rows need it.
+class ModalityRows {
+ public:
+  // Only columns [first, last] will be asked for.
+  ModalityRows(const ImageFrame& frame, std::int64_t first, std::int64_t last)
+      : frame_(frame), first_(first), last_(last) {}
+
+  // Valid until the row after next is asked for.
+  const double* row(std::int64_t j) {
+    for (const Kept& k : kept_)
+      if (k.row == j) return k.values.data();
+    Kept& k = kept_[next_];
+    next_ = 1 - next_;
+    k.row = j;
+    k.values.resize(static_cast<std::size_t>(last_ + 1));
+    for (std::int64_t i = first_; i <= last_; ++i) {
+      const double stored = frame_.stored(i, j);
+      k.values[static_cast<std::size_t>(i)] =
+          isNoData(frame_.info(), stored) ? std::numeric_limits<double>::quiet_NaN() : frame_.modalityOf(stored);
+    }
+    return k.values.data();
+  }
+
+ private:
+  struct Kept {
+    std::int64_t row = -1;
+    std::vector<double> values;
   };
-  add(x.first, y.first, (1 - x.t) * (1 - y.t));
-  add(x.second, y.first, x.t * (1 - y.t));
-  add(x.first, y.second, (1 - x.t) * y.t);
-  add(x.second, y.second, x.t * y.t);
-  return weight >= kLeastWeight ? sum / weight : std::numeric_limits<double>::quiet_NaN();
+  const ImageFrame& frame_;
+  std::int64_t first_, last_;
+  Kept kept_[2];
+  std::size_t next_ = 0;
+};
+
+// Modality value at a pixel, NaN = no data; above and below are the two rows beside it.
+double valueAt(const double* above, const double* below, const Beside& x, const Beside& y) {
+  const double corner[4] = {above[x.first], above[x.second], below[x.first], below[x.second]};
+  const double weight[4] = {(1 - x.t) * (1 - y.t), x.t * (1 - y.t), (1 - x.t) * y.t, x.t * y.t};
+  const double all = corner[0] * weight[0] + corner[1] * weight[1] + corner[2] * weight[2] + corner[3] * weight[3];
+  if (!std::isnan(all)) return all;
+  double sum = 0, valid = 0;  // next to no-data: over the corners that have a value
+  for (int c = 0; c < 4; ++c) {
+    if (!(weight[c] > 0) || std::isnan(corner[c])) continue;
+    sum += weight[c] * corner[c];
+    valid += weight[c];
+  }
+  return valid >= kLeastWeight ? sum / valid : std::numeric_limits<double>::quiet_NaN();
 }
 
 Result<std::shared_ptr<const ImageParams>> imageParams(const Layer& layer, const PlanContext& context) {
@@ -158,15 +192,17 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
 }
 
 // Draws row y, returns the number of pixels that lay in the frame.
-std::uint64_t drawRow(const ImageParams& p, Images& images, std::size_t y, const std::vector<Beside>& xs,
-                      const Beside& row) {
+std::uint64_t drawRow(const ImageParams& p, ModalityRows& rows, Images& images, std::size_t y,
+                      const std::vector<Beside>& xs, const Beside& row) {
   const float background[3] = {static_cast<float>(p.background.r), static_cast<float>(p.background.g),
                                static_cast<float>(p.background.b)};
   std::uint64_t samples = 0;
+  const double* above = row.first >= 0 ? rows.row(row.first) : nullptr;
+  const double* below = row.first >= 0 ? rows.row(row.second) : nullptr;
   for (std::size_t x = 0; x < xs.size(); ++x) {
     const bool inside = row.first >= 0 && xs[x].first >= 0;
     samples += inside ? 1 : 0;
-    const double value = inside ? valueAt(*p.frame, xs[x], row) : std::numeric_limits<double>::quiet_NaN();
+    const double value = inside ? valueAt(above, below, xs[x], row) : std::numeric_limits<double>::quiet_NaN();
     const bool data = !std::isnan(value);
     const float grey = data ? static_cast<float>(greyOf(p, value)) : 0.0f;
     const std::size_t n = y * xs.size() + x;
@@ -187,9 +223,15 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
   const auto xs = besides(p->view.width_px, p->picture.x0, p->picture.pxPerColumn, info.columns, nearest);
   const auto ys = besides(p->view.height_px, p->picture.y0, p->picture.pxPerRow, info.rows, nearest);
   std::atomic<std::uint64_t> samples{0};
-  parallelFor(ys.size(), 8, [&](std::size_t begin, std::size_t end) {
+  std::int64_t first = info.columns, last = -1;  // the columns that the picture shows
+  for (const Beside& b : xs)
+    if (b.first >= 0) first = std::min(first, b.first), last = std::max(last, b.second);
+  parallelFor(ys.size(), 32, [&](std::size_t begin, std::size_t end) {
+    ModalityRows rows(*p->frame, first, last);
+    std::uint64_t drawn = 0;
     for (std::size_t y = begin; y < end && !stop.stop_requested(); ++y)
-      samples += drawRow(*p, images, y, xs, ys[y]);
+      drawn += drawRow(*p, rows, images, y, xs, ys[y]);
+    samples += drawn;
   });
   images.counters.samples += samples;
   if (stop.stop_requested()) return makeError(ErrorCode::Cancelled, "The image was cancelled.");
