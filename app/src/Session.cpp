@@ -391,7 +391,7 @@ Result<Rendered> Session::render(const Scene& scene, const View& view, const Qua
   quality::LadderOptions ladder;
   ladder.goal = options.goal.value_or(asked.level == QualityLevel::Reference ? 0.5 : 2.0);
   ladder.firstStep = asked.step;
-  ladder.limit_ms = options.timeLimit_ms;
+  ladder.limit_ms = options.timeLimit_ms.value_or(asked.level == QualityLevel::Reference ? 60'000.0 : 5'000.0);
   Result<quality::LadderResult> reached = quality::climb(draw, measure, ladder, stop);
   if (!reached) return reached.error();
   if (quality.step != reached->reached.step) {  // the plan that belongs to the picture that is kept

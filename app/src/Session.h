@@ -39,8 +39,8 @@ struct RenderOptions {
   bool measure = true;  // measure the error of the picture
   quality::ErrorOptions error;
   std::optional<double> goal;    // levels of 255; absent: the quality level's own (review 2, reference 0.5)
-  double timeLimit_ms = 60'000;  // of the closed loop
-  bool explain = false;          // as in plan()
+  std::optional<double> timeLimit_ms;  // of the closed loop; absent: 5 s at review, 60 s at reference
+  bool explain = false;                // as in plan()
 };
 
 // Which stack of what was opened. Sources in scenes are named "" (the chosen one), "UID" or "UID#stack".

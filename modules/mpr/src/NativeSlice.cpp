@@ -3,29 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "SliceParams.h"
-#include "vernier/native/Slice.h"
+#include "NativeJob.h"
 
 namespace vernier::mpr {
 namespace {
 
 // Built-in cost of one sample of one thread, measured; the table of this machine wins.
 constexpr double kFast_ns = 2.5, kGeneral_ns = 40.0;
-
-native::SliceJob jobOf(const SliceParams& p) {
-  native::SliceJob job;
-  job.volume = p.volume.get();
-  job.picture = p.picture;
-  job.width_px = p.view.width_px;
-  job.height_px = p.view.height_px;
-  job.interpolation = p.interpolation;
-  job.slab = p.slab;
-  job.slabSamples = p.slabSamples;
-  job.window = p.window;
-  job.invert = p.invert;
-  job.background = p.background;
-  return job;
-}
 
 double predicted_ms(const SliceParams& p, const PlanContext& context) {
   const auto known = context.costs.nsPerSample.find("mpr.native");
@@ -36,14 +20,11 @@ double predicted_ms(const SliceParams& p, const PlanContext& context) {
   return samples * ns * 1e-6 / std::max(1, context.capabilities.threads);
 }
 
-// Levels of 255. A single slice: the kernels' bound of 1e-4 of the local range, which is at most the
-// volume's. A slab also misses what lies between its samples; measured at one sample per smallest spacing on
-// CT heads, halved with the step.
+// Levels of 255. A slab also misses what lies between its samples.
 double predictedError(const SliceParams& p, const PlanContext& context) {
-  const auto range = p.volume->modalityRange();
-  const double contrast = range ? (range->max - range->min) / p.window.width : 1.0;
-  const double arithmetic = std::min(255.0, 255.0 * 1e-6 * contrast);
-  return p.slabSamples > 1 ? arithmetic + 4.0 * context.quality.step : arithmetic;
+  const double arithmetic = roundingError(p);
+  if (!(p.slab.thickness_mm > 0)) return arithmetic;
+  return arithmetic + 4.0 * context.quality.step;
 }
 
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
@@ -70,6 +51,13 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
 }
 
 }  // namespace
+
+// The kernels' bound: 1e-6 of the volume's range (RENDERING 3, "Slices").
+double roundingError(const SliceParams& p) {
+  const auto range = p.volume->modalityRange();
+  const double contrast = range ? (range->max - range->min) / p.window.width : 1.0;
+  return std::min(255.0, 255.0 * 1e-6 * contrast);
+}
 
 Technique nativeSliceTechnique() {
   Technique t;

@@ -5,8 +5,8 @@
 namespace vernier::mpr {
 
 Result<void> registerMpr(Host& host) {
-  for (Technique t :
-       {nativeImageTechnique(), nativeSliceTechnique(), stripsTechnique(host), polygonTechnique(host)})
+  for (Technique t : {nativeImageTechnique(), nativeSliceTechnique(), slabExactTechnique(),
+                      stripsTechnique(host), polygonTechnique(host)})
     if (Result<void> r = host.addTechnique(std::move(t)); !r) return r;
   return {};
 }

@@ -13,7 +13,7 @@ struct SliceParams final : PassParams {
   SlicePicture picture;
   View view;
   Slab slab;
-  int slabSamples = 1;          // on midpoints: offset (k + 0.5) * thickness / n - thickness / 2 along the normal
+  int slabSamples = 1;          // 0: the whole line; else on midpoints: offset (k + 0.5) * thickness / n - thickness / 2 along the normal
   Interpolation interpolation = Interpolation::Linear;
   VoiWindow window;
   bool invert = false;          // of the display, after the window
@@ -30,6 +30,7 @@ Result<std::shared_ptr<const SliceParams>> sliceParams(const Layer&, const PlanC
 void fitImages(Images&, const View&);
 
 Technique nativeSliceTechnique();
+Technique slabExactTechnique();
 Technique nativeImageTechnique();
 Technique stripsTechnique(Host&);
 Technique polygonTechnique(Host&);

@@ -47,8 +47,8 @@ std::string SliceParams::dump() const {
                   vector3(picture.origin.p) + " right " + vector3(picture.right.v) + " down " +
                   vector3(picture.down.v) + (interpolation == Interpolation::Linear ? " linear" : " nearest");
   if (slab.thickness_mm > 0)
-    s += " slab " + number(slab.thickness_mm) + " mm " + nameOfMode(slab.mode) + " of " +
-         std::to_string(slabSamples);
+    s += " slab " + number(slab.thickness_mm) + " mm " + nameOfMode(slab.mode) +
+         (slabSamples > 0 ? " of " + std::to_string(slabSamples) : " of the whole line");
   s += " window " + number(window.center) + "/" + number(window.width) + nameOfFunction(window.function);
   if (invert) s += " inverted";
   return s;

@@ -2,6 +2,7 @@
 // The slice techniques. registerMpr adds to the host:
 //   image.native  one stored frame, unresampled                     (kind image)
 //   mpr.native    SIMD trilinear, slabs; reference grade            (kind slice)
+//   mpr.exact     slabs without sampling error: the extrema and the integral of the field   (kind slice)
 //   mpr.strips    GL: Gouraud-alpha polygon strips over a stack of 2-D textures, Rezk-Salama et al. 2000, section 9
 //   mpr.polygon   GL: one polygon on a 3-D texture
 #pragma once

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// mpr.exact: slabs without sampling error, by module native's walk through the cells.
+#include <algorithm>
+
+#include "NativeJob.h"
+#include "vernier/native/SlabExact.h"
+
+namespace vernier::mpr {
+namespace {
+
+// Built-in cost of one cell of one thread, measured; the table of this machine wins.
+constexpr double kExtreme_ns = 6, kMean_ns = 14;
+
+double predicted_ms(const SliceParams& p, const PlanContext& context) {
+  const auto known = context.costs.nsPerSample.find("mpr.exact");
+  const double ns = known != context.costs.nsPerSample.end() ? known->second
+                    : p.slab.mode == SlabMode::Mean          ? kMean_ns
+                                                             : kExtreme_ns;
+  const double cells =
+      static_cast<double>(p.view.width_px) * p.view.height_px * native::cellsPerSlabLine(jobOf(p));
+  return cells * ns * 1e-6 / std::max(1, context.capabilities.threads);
+}
+
+Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
+  Result<std::shared_ptr<const SliceParams>> params = sliceParams(layer, context);
+  if (!params) return params.error();
+  if (std::string why = native::whyNotExactSlab(jobOf(**params)); !why.empty())
+    return makeError(ErrorCode::NoTechnique, std::move(why));
+  auto exact = std::make_shared<SliceParams>(**params);
+  exact->slabSamples = 0;  // none: the plan says what is done
+  Pass pass;
+  pass.name = "slice " + std::to_string(index);
+  pass.engine = Engine::Native;
+  pass.technique = "mpr.exact";
+  pass.inputs = {"volume"};
+  pass.outputs = {"colour", "depth"};
+  if (context.view.wantValues) pass.outputs.push_back("values");
+  pass.predicted_ms = predicted_ms(*exact, context);
+  pass.predictedError = roundingError(*exact);
+  pass.params = std::move(exact);
+  return std::vector<Pass>{std::move(pass)};
+}
+
+Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
+  const auto* p = dynamic_cast<const SliceParams*>(pass.params.get());
+  if (!p) return makeError(ErrorCode::Internal, "The pass has no slice parameters.", "mpr.exact");
+  fitImages(images, p->view);
+  return native::drawSlabExact(jobOf(*p), images, stop);
+}
+
+}  // namespace
+
+Technique slabExactTechnique() {
+  Technique t;
+  t.name = "mpr.exact";
+  t.kinds = {"slice"};
+  t.engine = Engine::Native;
+  t.passesFor = passesFor;
+  t.execute = execute;
+  return t;
+}
+
+}  // namespace vernier::mpr
