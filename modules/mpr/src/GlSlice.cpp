@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "SamplingError.h"
 #include "vernier/volume/Voi.h"
 
 namespace vernier::mpr {
@@ -189,7 +190,7 @@ double predictedError(const SliceParams& p, double step, bool fixedFunction) {
   const auto range = p.volume->modalityRange();
   const double contrast = range ? (range->max - range->min) / p.window.width : 1.0;
   const double filter = std::min(255.0, 255.0 * (fixedFunction ? 3.0 / 512.0 : 1e-6) * contrast);
-  return p.slabSamples > 1 ? filter + 4.0 * step : filter;
+  return filter + samplingError(p, step);
 }
 
 void addCounters(Counters& counters, const Counters& before, const Counters& after) {

@@ -89,7 +89,8 @@ std::vector<Beside> besides(int pixels, double start_px, double pxPerSample, std
   return out;
 }
 
-// Modality values of the frame's rows, NaN = no data, each row converted once while neighbouring picture rows need it.
+// Modality values of the frame's rows, NaN = no data, each row converted once while neighbouring picture rows
+// need it.
 class ModalityRows {
  public:
   // Only columns [first, last] will be asked for.
@@ -106,8 +107,9 @@ class ModalityRows {
     k.values.resize(static_cast<std::size_t>(last_ + 1));
     for (std::int64_t i = first_; i <= last_; ++i) {
       const double stored = frame_.stored(i, j);
-      k.values[static_cast<std::size_t>(i)] =
-          isNoData(frame_.info(), stored) ? std::numeric_limits<double>::quiet_NaN() : frame_.modalityOf(stored);
+      k.values[static_cast<std::size_t>(i)] = isNoData(frame_.info(), stored)
+                                                  ? std::numeric_limits<double>::quiet_NaN()
+                                                  : frame_.modalityOf(stored);
     }
     return k.values.data();
   }
@@ -127,7 +129,8 @@ class ModalityRows {
 double valueAt(const double* above, const double* below, const Beside& x, const Beside& y) {
   const double corner[4] = {above[x.first], above[x.second], below[x.first], below[x.second]};
   const double weight[4] = {(1 - x.t) * (1 - y.t), x.t * (1 - y.t), (1 - x.t) * y.t, x.t * y.t};
-  const double all = corner[0] * weight[0] + corner[1] * weight[1] + corner[2] * weight[2] + corner[3] * weight[3];
+  const double all =
+      corner[0] * weight[0] + corner[1] * weight[1] + corner[2] * weight[2] + corner[3] * weight[3];
   if (!std::isnan(all)) return all;
   double sum = 0, valid = 0;  // next to no-data: over the corners that have a value
   for (int c = 0; c < 4; ++c) {
@@ -202,7 +205,8 @@ std::uint64_t drawRow(const ImageParams& p, ModalityRows& rows, Images& images, 
   for (std::size_t x = 0; x < xs.size(); ++x) {
     const bool inside = row.first >= 0 && xs[x].first >= 0;
     samples += inside ? 1 : 0;
-    const double value = inside ? valueAt(above, below, xs[x], row) : std::numeric_limits<double>::quiet_NaN();
+    const double value =
+        inside ? valueAt(above, below, xs[x], row) : std::numeric_limits<double>::quiet_NaN();
     const bool data = !std::isnan(value);
     const float grey = data ? static_cast<float>(greyOf(p, value)) : 0.0f;
     const std::size_t n = y * xs.size() + x;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "NativeJob.h"
+#include "SamplingError.h"
 
 namespace vernier::mpr {
 namespace {
@@ -20,13 +21,6 @@ double predicted_ms(const SliceParams& p, const PlanContext& context) {
   return samples * ns * 1e-6 / std::max(1, context.capabilities.threads);
 }
 
-// Levels of 255. A slab also misses what lies between its samples.
-double predictedError(const SliceParams& p, const PlanContext& context) {
-  const double arithmetic = roundingError(p);
-  if (!(p.slab.thickness_mm > 0)) return arithmetic;
-  return arithmetic + 4.0 * context.quality.step;
-}
-
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
   Result<std::shared_ptr<const SliceParams>> params = sliceParams(layer, context);
   if (!params) return params.error();
@@ -38,7 +32,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   pass.outputs = {"colour", "depth"};
   if (context.view.wantValues) pass.outputs.push_back("values");
   pass.predicted_ms = predicted_ms(**params, context);
-  pass.predictedError = predictedError(**params, context);
+  pass.predictedError = roundingError(**params) + samplingError(**params, context.quality.step);
   pass.params = *params;
   return std::vector<Pass>{std::move(pass)};
 }
