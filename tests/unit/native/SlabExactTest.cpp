@@ -64,8 +64,7 @@ SlabScene randomScene(const std::shared_ptr<const Volume>& volume, std::uint64_t
   layer.source = "v";
   layer.plane.normal = PatientVec(unit(0), unit(1), unit(2));
   layer.plane.up = PatientVec(unit(3), unit(4), unit(5));
-  const double diagonal_mm = glm::length(g.corner(7).p - g.corner(0).p);
-  layer.plane.point = g.centre() + 0.1 * diagonal_mm * unit(6) * normalize(layer.plane.normal);
+  layer.plane.point = g.centre() + 0.3 * unit(6) * normalize(layer.plane.normal);
   layer.window = VoiWindow{0, 1000, VoiFunction::LinearExact, ""};
   layer.slab = slab;
   s.scene.layers.emplace_back(layer);
@@ -73,7 +72,8 @@ SlabScene randomScene(const std::shared_ptr<const Volume>& volume, std::uint64_t
   return s;
 }
 
-void expectEqualsReference(const SlabScene& s, const std::string& what) {
+// Adds the pixels that show something to `all_px`.
+void expectEqualsReference(const SlabScene& s, const std::string& what, int& all_px) {
   const Volume& v = *s.sources.volumes.at("v");
   const auto drawn = renderWith("mpr.exact", s.scene, s.view, s.sources);
   ASSERT_TRUE(drawn.ok()) << drawn.error().text();
@@ -92,9 +92,9 @@ void expectEqualsReference(const SlabScene& s, const std::string& what) {
     ASSERT_NEAR(got, t.value, tolerance(v, t.value)) << what << " pixel " << n;
     ++shown;
   }
-  EXPECT_GT(shown, 20) << what << ": the picture shows nothing";
-  EXPECT_GT(drawn->frame.images.counters.cells, static_cast<std::uint64_t>(shown));
-  EXPECT_GT(drawn->frame.images.counters.samples, static_cast<std::uint64_t>(shown));
+  all_px += shown;
+  EXPECT_GE(drawn->frame.images.counters.cells, static_cast<std::uint64_t>(shown));
+  EXPECT_GE(drawn->frame.images.counters.samples, static_cast<std::uint64_t>(shown));
 }
 
 template <class T>
@@ -106,14 +106,17 @@ TYPED_TEST_SUITE(ExactSlabOfType, Types);
 // Thinner than a voxel, a few voxels, thicker than the volume.
 TYPED_TEST(ExactSlabOfType, EqualsTheReferenceOnEveryGrid) {
   std::uint64_t seed = 10;
-  for (const NamedGrid& g : evenGrids())
+  for (const NamedGrid& g : evenGrids()) {
+    int shown = 0;
     for (const SlabMode mode : kModes)
       for (const double thickness_mm : {0.05, 4.0, 1e4}) {
         seed += 2;
         const auto v = noise<TypeParam>(g.grid, seed, seed % 4 ? 0.75 : -0.75);
         expectEqualsReference(randomScene(v, seed + 1, {thickness_mm, mode}),
-                              g.name + " " + std::to_string(thickness_mm));
+                              g.name + " " + std::to_string(thickness_mm), shown);
       }
+    EXPECT_GT(shown, 100) << g.name << ": the pictures show nothing";
+  }
 }
 
 // Lines along an axis, some of them exactly on faces and on the border.
@@ -121,13 +124,15 @@ TEST(ExactSlab, EqualsTheReferenceAlongTheAxes) {
   for (const NamedGrid& g : evenGrids()) {
     const auto v = noise<std::int16_t>(g.grid, 3);
     const glm::dmat3& m = g.grid.patientFromVoxel.linear;
+    int shown = 0;
     for (int axis = 0; axis < 3; ++axis)
       for (const SlabMode mode : kModes) {
         SlabScene s = randomScene(v, 4, {5, mode});
         s.layer().plane = {g.grid.centre(), PatientVec(m[axis]), PatientVec(m[(axis + 1) % 3])};
         s.scene.camera.height_mm = 0.8 * 5 * glm::length(m[(axis + 1) % 3]);
-        expectEqualsReference(s, g.name + " along " + std::to_string(axis));
+        expectEqualsReference(s, g.name + " along " + std::to_string(axis), shown);
       }
+    EXPECT_GT(shown, 100) << g.name << ": the pictures show nothing";
   }
 }
 
@@ -139,6 +144,9 @@ TEST(ExactSlab, TenThousandStepsAgree) {
     for (const SlabMode mode : kModes) {
       const auto v = noise<std::int16_t>(g.grid, ++seed);
       native::SliceJob job = randomJob(*v, ++seed, 6, 5);
+      job.picture.right = 0.1 * job.picture.right;  // about the centre
+      job.picture.down = 0.1 * job.picture.down;
+      job.picture.origin = g.grid.centre() - 3.0 * job.picture.right - 2.5 * job.picture.down;
       job.slab = {6.0, mode};
       job.slabSamples = kSteps;
       Images images = imagesFor(job);
@@ -352,7 +360,7 @@ TEST(ExactSlabPlan, WhereItRefusesItSaysWhyAndSamplingGoesOn) {
   info.noData.reset();
   std::vector<float> floats(125, 1.5f);
   floats[3] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_NE(refusal(randomScene(volumeOf<float>(info, floats), 3, {4, SlabMode::Max})).find("not a number"),
+  EXPECT_NE(refusal(randomScene(volumeOf<float>(info, floats), 3, {4, SlabMode::Max})).find("be a number"),
             std::string::npos);
   // Converted from integers with padding: NaN may stand anywhere. Without, none can.
   for (const bool padded : {false, true}) {
