@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
 #include <iostream>
 
 #include "Cli.h"
@@ -12,6 +13,12 @@ struct Options {
   bool pixels = false;
 };
 
+// The last part of what the user named, also of "folder/": errors never carry a whole path.
+std::string nameOf(const std::string& input) {
+  const std::filesystem::path path(input);
+  return (path.has_filename() ? path : path.parent_path()).filename().string();
+}
+
 int run(const GlobalOptions& global, const Options& o) {
   const auto session = makeSession(global);
   if (!session) return 2;
@@ -24,10 +31,10 @@ int run(const GlobalOptions& global, const Options& o) {
   std::cout << (o.json ? infoJson(study, info) : infoText(study)) << std::flush;
   if (study.instances.empty() && !session->isMetaImage()) {
     if (study.files.size() == 1 && study.files[0].error) return report(*study.files[0].error);
-    return report(
-        makeError(ErrorCode::NothingToLoad,
-                  "No DICOM object was found among " + std::to_string(study.files.size()) + " files.",
-                  o.inputs.front()));
+    return report(makeError(ErrorCode::NothingToLoad,
+                            "No DICOM object was found among " + std::to_string(study.files.size()) +
+                                " files; a MetaImage is opened by naming its .mhd or .mha file itself.",
+                            nameOf(o.inputs.front())));
   }
   return std::cout.good() ? 0 : 1;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <set>
 
 #include "InfoJson.h"
 
@@ -24,11 +25,21 @@ std::string count(std::size_t n, const std::string& what) {
 }
 std::string orDash(const std::string& s) { return s.empty() ? "-" : s; }
 
-// A terminal must not obey what a file says: control characters show as "?".
+// A terminal must not obey what a file says: control characters show as "?", those of UTF-8's second block
+// (C2 80 to C2 9F) too.
 std::string safe(std::string s) {
-  for (char& c : s)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const auto c = static_cast<unsigned char>(s[i]);
+    if (c < 0x20 || c == 0x7f) s[i] = '?';
+    if (c == 0xC2 && i + 1 < s.size() && static_cast<unsigned char>(s[i + 1]) < 0xA0) s.replace(i, 2, "?");
+  }
   return s;
+}
+
+// 20150206 as 2015-02-06; what is no DICOM date stays as it is.
+std::string date(const std::string& s) {
+  const bool digits = s.size() == 8 && s.find_first_not_of("0123456789") == std::string::npos;
+  return digits ? s.substr(0, 4) + "-" + s.substr(4, 2) + "-" + s.substr(6) : safe(orDash(s));
 }
 
 const char* mark(Severity s) {
@@ -44,9 +55,34 @@ const char* mark(Severity s) {
   }
   return "";
 }
+// Up to three of the files that a finding is about.
+std::string filesOf(const Finding& f) {
+  const auto at = f.numbers.find("files");
+  const auto* files = at == f.numbers.end() ? nullptr : std::get_if<std::vector<std::string>>(&at->second);
+  if (!files || files->empty()) return "";
+  std::string out;
+  for (std::size_t n = 0; n < std::min<std::size_t>(3, files->size()); ++n)
+    out += (n ? ", " : "") + safe((*files)[n]);
+  if (files->size() > 3) out += " and " + std::to_string(files->size() - 3) + " more";
+  return " (" + out + ")";
+}
+
+// Equal lines once, with how often; files are named where something is wrong with them.
 void addFindings(const std::vector<Finding>& findings, const std::string& indent, std::string& out) {
-  for (const Finding& f : findings)
-    out += indent + mark(f.severity) + " " + f.code + ": " + safe(f.sentence) + "\n";
+  std::vector<std::pair<std::string, std::size_t>> lines;
+  for (const Finding& f : findings) {
+    const bool wrong = f.severity == Severity::Warning || f.severity == Severity::Refusal;
+    std::string line =
+        indent + mark(f.severity) + " " + f.code + ": " + safe(f.sentence) + (wrong ? filesOf(f) : "");
+    const auto same =
+        std::find_if(lines.begin(), lines.end(), [&](const auto& l) { return l.first == line; });
+    if (same == lines.end())
+      lines.emplace_back(std::move(line), 1);
+    else
+      ++same->second;
+  }
+  for (const auto& [line, times] : lines)
+    out += line + (times > 1 ? " (" + std::to_string(times) + " times)" : "") + "\n";
 }
 
 std::string geometryText(const Stack& s) {
@@ -54,7 +90,7 @@ std::string geometryText(const Stack& s) {
     case StackShape::NoGeometry:
       return "no geometry";
     case StackShape::Single:
-      return "one slice";
+      return "single";
     case StackShape::Uniform:
       return "step " + number(s.step_mm) + " mm";
     case StackShape::Sheared:
@@ -96,26 +132,34 @@ void addSeries(const StudySet& set, std::size_t index, std::string& out) {
 
 std::string infoText(const StudySet& set) {
   std::string out;
+  std::set<std::size_t> shown;  // a damaged study may stand under several patients
   for (const Patient& p : set.patients) {
-    out += "Patient " + safe(orDash(p.name)) + "  id " + safe(orDash(p.id)) + "  born " +
-           orDash(p.birthDate) + "  sex " + orDash(p.sex) + "\n";
+    out += "Patient " + safe(orDash(p.name)) + "  id " + safe(orDash(p.id)) + "  born " + date(p.birthDate) +
+           "  sex " + orDash(p.sex) + "\n";
     for (const std::size_t st : p.studies) {
       const Study& study = set.studies[st];
-      out += "  Study " + orDash(study.date) + "  " + safe(orDash(study.description)) + "\n";
+      const bool again = !shown.insert(st).second;
+      out += "  Study " + date(study.date) + "  " + safe(orDash(study.description)) +
+             (again ? "  (the same study as above)" : "") + "\n";
+      if (again) continue;
       for (const std::size_t s : study.series) addSeries(set, s, out);
     }
   }
   addFindings(set.findings, "", out);
-  std::size_t notDicom = 0;
+  std::size_t directories = 0, noObject = 0, notDicom = 0;
   for (const FileRecord& f : set.files) {
-    if (f.kind == FileKind::NotDicom && set.files.size() > 1)
-      ++notDicom;
-    else if (f.error)
-      out += "Failed " + safe(f.shown) + ": " + f.error->sentence + "\n";
+    directories += f.kind == FileKind::DicomDir;
+    noObject += f.kind == FileKind::NoSopClass || f.kind == FileKind::Unreadable;
+    notDicom += f.kind == FileKind::NotDicom;
+    if (f.error && (f.kind != FileKind::NotDicom || set.files.size() == 1))
+      out += "Failed " + safe(f.shown) + ": " + safe(f.error->sentence) + "\n";
   }
+  // The objects and what follows the semicolons add up to the number of files.
   out += count(set.files.size(), "file") + ": " + count(set.patients.size(), "patient") + ", " +
          std::to_string(set.studies.size()) + (set.studies.size() == 1 ? " study, " : " studies, ") +
          count(set.series.size(), "series") + ", " + count(set.instances.size(), "object");
+  if (directories > 0) out += "; " + count(directories, "DICOMDIR");
+  if (noObject > 0) out += "; " + count(noObject, "file") + " without a readable object";
   if (notDicom > 0) out += "; " + count(notDicom, "file") + " not DICOM";
   return out + "\n";
 }

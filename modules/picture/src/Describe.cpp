@@ -15,6 +15,10 @@ TextLine plain(std::string text, std::string shortText = {}) {
   return {std::move(text), std::move(shortText), Tone::Normal};
 }
 
+bool says(const std::vector<Finding>& findings, const char* code) {
+  return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) { return f.code == code; });
+}
+
 // "axial" for the patient's own planes, "" for others.
 std::string planeName(PatientVec normal) {
   const char* names[] = {"sagittal", "coronal", "axial"};
@@ -96,7 +100,7 @@ double roundedUp(double x) {
 Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, const VolumeInfo& info,
                           const VoiWindow& window) {
   Annotations out;
-  out.letters = edgeLetters(picture);
+  if (!says(info.findings, "quadruped")) out.letters = edgeLetters(picture);
   out.mmPerPixel = picture.mmPerPixel;
   std::string what = layer.slab.thickness_mm > 0 ? slabName(layer.slab) : "MPR";
   const std::string method = what;
@@ -107,6 +111,7 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
   out.what.push_back(plain(what, method));
   describeStack(info, layer, picture, out);
   if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
+  if (says(info.findings, "quadruped")) out.what.push_back(plain("quadruped: no letters", "quadruped"));
   out.status.push_back(windowLine(window, info.unit, layer.invert));
   return out;
 }
@@ -114,11 +119,12 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
 Annotations describeImage(const ImageLayer& layer, const ImagePicture& picture, const ImageFrameInfo& info,
                           const VoiWindow& window) {
   Annotations out;
-  out.letters = edgeLetters(layer, info);
+  if (!says(info.findings, "quadruped")) out.letters = edgeLetters(layer, info);
   out.flipped = layer.flipHorizontal || layer.flipVertical;
   out.mmPerPixel = picture.mmPerPixel;
   out.what.push_back(plain(std::to_string(info.index + 1) + "/" + std::to_string(info.count)));
   if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
+  if (says(info.findings, "quadruped")) out.what.push_back(plain("quadruped: no letters", "quadruped"));
   const auto chosen = layer.voiLut ? static_cast<std::size_t>(*layer.voiLut) : info.voiLuts.size();
   if (chosen < info.voiLuts.size()) {
     const std::string& name = info.voiLuts[chosen].explanation;
@@ -132,7 +138,8 @@ Annotations describeImage(const ImageLayer& layer, const ImagePicture& picture, 
 TextLine errorLine(double bound, int confidence_percent, std::optional<double> limit) {
   // Below a hundredth of a level the exact figure (it is in the report) says nothing more to a reader.
   const std::string number = bound > 0 && bound < 0.01 ? "< 0.01" : "<= " + plainNumber(roundedUp(bound), 2);
-  return {"error " + number + " of 255 (" + std::to_string(confidence_percent) + " %)", number + "/255", limit && bound > *limit ? Tone::Amber : Tone::Normal};
+  return {"error " + number + " of 255 (" + std::to_string(confidence_percent) + " %)", number + "/255",
+          limit && bound > *limit ? Tone::Amber : Tone::Normal};
 }
 
 }  // namespace vernier

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 
+#include "FrameWindows.h"
 #include "PixelModule.h"
 #include "SopClasses.h"
 #include "StackGeometry.h"
@@ -325,21 +325,6 @@ std::string whyNotShown(const Record& rec) {
 
 }  // namespace
 
-std::optional<double> parseDecimal(std::string_view s) {
-  if (!s.empty() && s.front() == '+') s.remove_prefix(1);
-  double v = 0;
-  const auto [end, wrong] = std::from_chars(s.data(), s.data() + s.size(), v);
-  if (s.empty() || wrong != std::errc{} || end != s.data() + s.size()) return std::nullopt;
-  return v;
-}
-std::optional<std::int64_t> parseInteger(std::string_view s) {
-  if (!s.empty() && s.front() == '+') s.remove_prefix(1);
-  std::int64_t v = 0;
-  const auto [end, wrong] = std::from_chars(s.data(), s.data() + s.size(), v);
-  if (s.empty() || wrong != std::errc{} || end != s.data() + s.size()) return std::nullopt;
-  return v;
-}
-
 Record recordFrom(const Header& h) {
   Reader r(h);
   Record out;
@@ -357,6 +342,7 @@ Record recordFrom(const Header& h) {
   i.instanceNumber = r.integer(0x00200013);
   i.frameOfReferenceUid = r.code(0x00200052);
   i.patientOrientation = r.code(0x00200020);
+  out.quadruped = r.code(0x00102210) == "QUADRUPED";
   i.sliceThickness_mm = r.decimal(0x00180050).value_or(0);
   i.photometric = r.code(0x00280004);
   i.presentationLutShape = r.code(0x20500020);
@@ -382,6 +368,7 @@ Record recordFrom(const Header& h) {
   readSplitKeys(r, out);
   if (i.isImage || out.imageClass) readValues(r, out);
   if (i.isImage) readPixels(h, out);
+  if (i.isImage) out.frameWindows = differentFrameWindows(h);
   i.notShown = whyNotShown(out);
 
   out.lossyTag = r.code(0x00282110);

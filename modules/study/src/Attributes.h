@@ -9,8 +9,4 @@ namespace vernier {
 
 Record recordFrom(const Header& header);
 
-// Decimal and integer strings (DS, IS) as PS3.5 6.2 defines them; a value that is none is nullopt.
-std::optional<double> parseDecimal(std::string_view);
-std::optional<std::int64_t> parseInteger(std::string_view);
-
 }  // namespace vernier

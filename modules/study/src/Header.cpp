@@ -172,7 +172,7 @@ bool plausibleStart(ByteSource& s) {
 std::uint64_t readMeta(ByteSource& s, std::uint64_t at, Header& out) {
   while (true) {
     const auto h = readHead(s, at, {true, false});
-    if (!h || h->tag >> 16 != 2) return at;
+    if (!h || h->tag >> 16 != 2 || h->length > limits::kMaxNonPixelElementBytes) return at;
     if (!s.ensure(h->value + h->length)) return at;
     Element e;
     e.tag = h->tag;

@@ -41,7 +41,9 @@ struct Record {
   bool pixelSpacingBad = false;  // present, but 0, negative, not a number or out of 1e-4..1e3 mm
   bool contradictsSyntax = false;
   bool strayDelimiters = false;
-  std::string lossyTag;  // (0028,2110)
+  bool quadruped = false;        // Anatomical Orientation Type: L R A P H F do not apply
+  std::size_t frameWindows = 0;  // different windows among the frames of an enhanced object
+  std::string lossyTag;          // (0028,2110)
 };
 
 }  // namespace vernier

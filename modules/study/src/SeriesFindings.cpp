@@ -105,6 +105,13 @@ std::vector<Finding> seriesFindings(const std::vector<Record>& records, const Me
                                     const FileName& fileName) {
   Collector c(records, members, fileName);
   reportDifferences(records, c);
+  for (const std::size_t m : members)
+    if (records[m].frameWindows > 1)
+      c.out.push_back({"window-differs-per-frame",
+                       Severity::Info,
+                       "The frames of one object carry " + std::to_string(records[m].frameWindows) +
+                           " different windows.",
+                       {{"file", fileName(m)}, {"different", static_cast<double>(records[m].frameWindows)}}});
   c.report(
       "window-width-not-positive", Severity::Info,
       [](const Record& r) { return r.instance.isImage && !r.badWindowWidths.empty(); },
@@ -116,7 +123,8 @@ std::vector<Finding> seriesFindings(const std::vector<Record>& records, const Me
   c.report(
       "padding-declared", Severity::Info,
       [](const Record& r) { return r.instance.isImage && r.instance.paddingFirst.has_value(); },
-      "The images declare a padding value; such pixels are no data and left out of windows, statistics and projections.",
+      "The images declare a padding value; such pixels are no data and left out of windows, statistics and "
+      "projections.",
       [](const Record& r) {
         return std::map<std::string, FindingValue>{{"first_padding", *r.instance.paddingFirst},
                                                    {"first_padding_last", *r.instance.paddingLast}};

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <map>
 #include <set>
 
 #include "StackGeometry.h"
@@ -77,9 +78,11 @@ const std::vector<SplitKey>& splitKeys() {
                 " mm";
        }},
       {"orientation", sameOrientation, orientationText},
-      textKey(
-          "image type",
-          [](const Record& r) { return typeValue(r, 0) + "\\" + typeValue(r, 2) + "\\" + typeValue(r, 3); }),
+      textKey("image type",
+              [](const Record& r) {
+                const std::string all = typeValue(r, 0) + "\\" + typeValue(r, 2) + "\\" + typeValue(r, 3);
+                return all == "\\\\" ? std::string("none") : all;
+              }),
       textKey("kernel", [](const Record& r) { return r.kernel; }),
       textKey("kVp", [](const Record& r) { return r.kvp; }),
       {"echo time",
@@ -227,11 +230,32 @@ Stack stackOf(const std::vector<Record>& records, const Group& g) {
   return stack;
 }
 
+// Labels stand in menus and lines of text; what a file puts there may be of any length.
+std::string shortened(std::string s) {
+  constexpr std::size_t kLongest = 40;
+  if (s.size() <= kLongest) return s;
+  std::size_t end = kLongest;
+  while (end > 0 && (static_cast<unsigned char>(s[end]) & 0xC0) == 0x80) --end;  // whole UTF-8 characters
+  return s.substr(0, end) + "...";
+}
+
+// Planes of one orientation name ("coronal" at seven angles) still need to be told apart.
+void numberEqualLabels(std::vector<Stack>& stacks) {
+  std::map<std::string, std::size_t> uses, given;
+  for (const Stack& s : stacks) ++uses[s.label];
+  for (Stack& s : stacks)
+    if (!s.label.empty() && uses[s.label] > 1) {
+      const std::size_t n = ++given[s.label], of = uses[s.label];
+      s.label += ", " + std::to_string(n) + " of " + std::to_string(of);
+    }
+}
+
 std::string labelOf(const std::vector<Record>& records, const Group& g,
                     const std::vector<const SplitKey*>& differing) {
   std::string label;
   for (const SplitKey* key : differing)
-    label += (label.empty() ? "" : ", ") + std::string(key->name) + " " + key->value(records[g[0]]);
+    label +=
+        (label.empty() ? "" : ", ") + std::string(key->name) + " " + shortened(key->value(records[g[0]]));
   return label;
 }
 
@@ -289,7 +313,15 @@ SplitResult makeStacks(const std::vector<Record>& records, std::vector<std::size
   for (const Group& g : final) {
     out.stacks.push_back(stackOf(records, g));
     if (final.size() > 1) out.stacks.back().label = labelOf(records, g, differing);
+    if (records[g[0]].quadruped)
+      out.stacks.back().findings.push_back(
+          {"quadruped",
+           Severity::Warning,
+           "The patient is four-legged (Anatomical Orientation Type): the letters L R A P H F do not "
+           "apply and are not shown.",
+           {}});
   }
+  numberEqualLabels(out.stacks);
   std::stable_sort(out.stacks.begin(), out.stacks.end(),
                    [](const Stack& a, const Stack& b) { return a.slices.size() > b.slices.size(); });
   if (final.size() > 1) {

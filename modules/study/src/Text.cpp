@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <memory>
 
 namespace vernier {
@@ -226,6 +227,21 @@ std::vector<std::string> splitValues(std::string_view text, char by) {
     if (end == text.size()) return values;
     begin = end + 1;
   }
+}
+
+std::optional<double> parseDecimal(std::string_view s) {
+  if (!s.empty() && s.front() == '+') s.remove_prefix(1);
+  double v = 0;
+  const auto [end, wrong] = std::from_chars(s.data(), s.data() + s.size(), v);
+  if (s.empty() || wrong != std::errc{} || end != s.data() + s.size()) return std::nullopt;
+  return v;
+}
+std::optional<std::int64_t> parseInteger(std::string_view s) {
+  if (!s.empty() && s.front() == '+') s.remove_prefix(1);
+  std::int64_t v = 0;
+  const auto [end, wrong] = std::from_chars(s.data(), s.data() + s.size(), v);
+  if (s.empty() || wrong != std::errc{} || end != s.data() + s.size()) return std::nullopt;
+  return v;
 }
 
 }  // namespace vernier

@@ -2,6 +2,8 @@
 // Text of any Specific Character Set (0008,0005) to UTF-8: PS3.5 6.1 and PS3.3 C.12.1.1.2. ISO 2022 escapes
 // are split here, run by run; iconv converts each run.
 #pragma once
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,5 +21,9 @@ DecodedText decodeText(std::string_view bytes, const std::vector<std::string>& c
                        bool personName = false);
 
 std::vector<std::string> splitValues(std::string_view text, char by = '\\');
+
+// Decimal and integer strings (DS, IS) as PS3.5 6.2 defines them; a value that is none is nullopt.
+std::optional<double> parseDecimal(std::string_view);
+std::optional<std::int64_t> parseInteger(std::string_view);
 
 }  // namespace vernier

@@ -77,21 +77,27 @@ std::optional<Volume::Range> percentilesOf(const ImageFrameInfo& i, const std::b
   return percentiles1And99(VoxelType::F32, {{bytes, values.size(), {}}}, std::nullopt);
 }
 
-// Padding that lossy compression has blurred would widen the window of a CT; the frame itself keeps its
-// stored pixels.
-std::optional<Volume::Range> percentilesWithoutBlur(const ImageFrameInfo& i, const Buffer& pixels,
-                                                    const Instance& instance) {
-  const std::optional<NoDataRange> declared = paddingOf(instance);
-  const bool lossyCt =
-      instance.lossy && i.modality == "CT" && i.unit == "HU" && !i.modalityLut && i.rescale.slope > 0;
-  if (!lossyCt) return percentilesOf(i, pixels.data(), declared);
-  const NoDataRange padding = declared.value_or(blurredPaddingOf(i.type));
-  auto copy = Buffer::make(pixels.size());
+// Marks in `pixels` what lossy compression has blurred and returns the padding that counts then.
+std::optional<NoDataRange> markBlur(Pixels& pixels, const Instance& i) {
+  const std::optional<NoDataRange> declared = paddingOf(i);
+  if (!mayBlurPadding(i)) return declared;
+  const NoDataRange padding = declared.value_or(blurredPaddingOf(pixels.type));
+  const auto changed = markBlurredPadding(
+      pixels.type, pixels.buffer.data(), static_cast<std::int64_t>(i.pixels.columns),
+      static_cast<std::int64_t>(i.pixels.rows), padding, leastTissue_stored(i.rescale), padding.first);
+  return changed > 0 ? padding : declared;
+}
+
+// Blurred padding would widen the window; the frame itself keeps its stored pixels, so a copy is marked.
+std::optional<Volume::Range> percentilesWithoutBlur(const ImageFrameInfo& info, const Pixels& pixels,
+                                                    const Instance& i) {
+  if (!mayBlurPadding(i)) return percentilesOf(info, pixels.buffer.data(), paddingOf(i));
+  auto copy = Buffer::make(pixels.buffer.size());
   if (!copy) return std::nullopt;
-  std::memcpy(copy->data(), pixels.data(), pixels.size());
-  markBlurredPadding(i.type, copy->data(), i.columns, i.rows, padding,
-                     (kLeastTissue_hu - i.rescale.intercept) / i.rescale.slope, padding.first);
-  return percentilesOf(i, copy->data(), padding);
+  std::memcpy(copy->data(), pixels.buffer.data(), pixels.buffer.size());
+  Pixels marked{pixels.type, std::move(copy).value()};
+  const std::optional<NoDataRange> padding = markBlur(marked, i);
+  return percentilesOf(info, marked.buffer.data(), padding);
 }
 
 ImageFrameInfo describe(const Series& series, const Stack& stack, std::size_t slice, const Instance& i,
@@ -137,17 +143,20 @@ std::optional<VoiWindow> windowOfStack(const StudySet& set, const Stack& stack) 
   std::vector<SliceValues> values;
   const Instance* first = nullptr;
   VoxelType type = VoxelType::I16;
+  std::optional<NoDataRange> padding;
   for (std::size_t k = 0; k < used; ++k) {
     if (!decoded[k]) continue;
     const Instance& i = set.instances[refOf(k).instance];
     if (i.modalityLut) return std::nullopt;
     if (!first) first = &i, type = decoded[k]->type;
     if (decoded[k]->type != type) continue;
+    const std::optional<NoDataRange> here = markBlur(*decoded[k], i);
+    if (!padding) padding = here;
     values.push_back({decoded[k]->buffer.data(), decoded[k]->buffer.size() / bytesOf(type),
                       i.rescaleInvalid ? ModalityRescale{} : i.rescale});
   }
   if (!first) return std::nullopt;
-  const auto range = percentiles1And99(type, values, paddingOf(*first));
+  const auto range = percentiles1And99(type, values, padding);
   if (!range) return std::nullopt;
   return windowOver(range, leastWidth(type, values.front().rescale));
 }
@@ -178,7 +187,7 @@ Result<std::shared_ptr<const ImageFrame>> build(const StudySet& set, const Serie
     std::optional<VoiWindow> window;
     if (info.windows.empty() && info.voiLuts.empty() && !perImage) window = windowOfStack(set, stack);
     const std::byte* const data = pixels->buffer.data();
-    auto range = percentilesWithoutBlur(info, pixels->buffer, i);
+    auto range = percentilesWithoutBlur(info, *pixels, i);
     if (!range) range = percentilesOf(info, data, info.noData);  // nothing but tissue-range padding
     info.autoWindow = window.value_or(windowOver(range, leastWidth(info.type, info.rescale)));
   }

@@ -222,9 +222,8 @@ class Builder {
     } else {
       info_.noData = padding;
     }
-    const bool lossyCt = info_.modality == "CT" && info_.unit == "HU" && !lut_ &&
-                         std::any_of(kept_.begin(), kept_.end(), [](const Instance* i) { return i->lossy; });
-    if (lossyCt) markBlurred();
+    if (std::any_of(kept_.begin(), kept_.end(), [](const Instance* i) { return mayBlurPadding(*i); }))
+      markBlurred();
   }
 
   void markBlurred() {
@@ -232,10 +231,9 @@ class Builder {
     std::atomic<std::uint64_t> changed{0};
     parallelFor(kept_.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t s = begin; s < end; ++s) {
-        const ModalityRescale& r = kept_[s]->rescale;
-        if (!kept_[s]->lossy || !(r.slope > 0)) continue;
+        if (!mayBlurPadding(*kept_[s])) continue;
         changed += markBlurredPadding(info_.type, sliceAt(s), info_.grid.columns, info_.grid.rows, padding,
-                                      (kLeastTissue_hu - r.intercept) / r.slope, padding.first);
+                                      leastTissue_stored(kept_[s]->rescale), padding.first);
       }
     });
     if (changed == 0) return;

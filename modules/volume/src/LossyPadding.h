@@ -14,6 +14,14 @@ inline constexpr double kLeastTissue_hu = -1024;
 // The padding of a CT that declares none: the lowest value of its type, which lies below every tissue.
 NoDataRange blurredPaddingOf(VoxelType);
 
+// Whether the rule applies: lossy, and in Hounsfield units by a rising slope.
+inline bool mayBlurPadding(const Instance& i) {
+  return i.lossy && i.unit == "HU" && !i.modalityLut && !i.rescaleInvalid && i.rescale.slope > 0;
+}
+inline double leastTissue_stored(const ModalityRescale& r) {
+  return (kLeastTissue_hu - r.intercept) / r.slope;
+}
+
 // Sets those voxels of one slice to `paddingValue` and returns how many were changed. The fill starts at the
 // slice's border and walks over 4 neighbours through voxels that are padding already or lie below
 // `threshold`, both in stored values.

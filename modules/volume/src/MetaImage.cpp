@@ -19,6 +19,9 @@
 namespace vernier {
 namespace {
 
+// What an error may say of a path.
+std::string nameOnly(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
 // A regular file opened for reading.
 class File {
  public:
@@ -26,10 +29,11 @@ class File {
     File f;
     f.fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe must not block us
     if (f.fd_ < 0)
-      return makeError(ErrorCode::FileNotFound, "The file does not exist or cannot be read.", path);
+      return makeError(ErrorCode::FileNotFound, "The file does not exist or cannot be read.", nameOnly(path));
     struct stat s {};
     if (fstat(f.fd_, &s) != 0 || !S_ISREG(s.st_mode))
-      return makeError(ErrorCode::NotAFile, "This is not a regular file; name a .mhd or .mha file.", path);
+      return makeError(ErrorCode::NotAFile, "This is not a regular file; name a .mhd or .mha file.",
+                       nameOnly(path));
     f.bytes_ = static_cast<std::uint64_t>(s.st_size);
     return f;
   }
@@ -144,7 +148,7 @@ Result<std::string> dataPath(const std::string& headerPath, const MetaHeader& h)
         ErrorCode::FileDamaged,
         "ElementDataFile names a file outside the header's folder, which is refused; put both files in one "
         "folder and name the data file alone.",
-        headerPath);
+        nameOnly(headerPath));
   return (std::filesystem::path(headerPath).parent_path() / named).string();
 }
 
@@ -180,8 +184,8 @@ Result<MetaHeader> readHeader(const std::string& path) {
   std::string text(static_cast<std::size_t>(std::min<std::uint64_t>(file->bytes(), kMaxMetaHeaderBytes)),
                    '\0');
   if (!file->readAt(0, reinterpret_cast<std::byte*>(text.data()), text.size()))
-    return makeError(ErrorCode::FileNotFound, "The file cannot be read.", path);
-  return parseMetaHeader(text, path);
+    return makeError(ErrorCode::FileNotFound, "The file cannot be read.", nameOnly(path));
+  return parseMetaHeader(text, nameOnly(path));
 }
 
 Result<std::shared_ptr<const Volume>> readWith(const std::string& path, const BuildOptions& options) {
@@ -195,8 +199,9 @@ Result<std::shared_ptr<const Volume>> readWith(const std::string& path, const Bu
   const auto need =
       checkedProduct({static_cast<std::uint64_t>(h->size[0]), static_cast<std::uint64_t>(h->size[1]),
                       static_cast<std::uint64_t>(h->size[2]), bytesOf(h->type)});
-  if (!need) return makeError(ErrorCode::LimitExceeded, "DimSize asks for more than 2^64 bytes.", path);
-  const Result<std::uint64_t> offset = voxelOffset(*h, *need, file->bytes(), *data);
+  if (!need)
+    return makeError(ErrorCode::LimitExceeded, "DimSize asks for more than 2^64 bytes.", nameOnly(path));
+  const Result<std::uint64_t> offset = voxelOffset(*h, *need, file->bytes(), nameOnly(*data));
   if (!offset) return offset.error();
 
   MemoryBudget::Reservation reservation;
@@ -208,8 +213,8 @@ Result<std::shared_ptr<const Volume>> readWith(const std::string& path, const Bu
   Result<Buffer> made = Buffer::make(static_cast<std::size_t>(*need));
   if (!made) return made.error();
   Buffer voxels = std::move(made).value();
-  const Result<void> read =
-      h->compressed ? readDeflated(*file, *offset, voxels, *data) : readRaw(*file, *offset, voxels, *data);
+  const Result<void> read = h->compressed ? readDeflated(*file, *offset, voxels, nameOnly(*data))
+                                          : readRaw(*file, *offset, voxels, nameOnly(*data));
   if (!read) return read.error();
   if (h->bigEndian) swapBytes(voxels, bytesOf(h->type));
 
@@ -220,7 +225,7 @@ Result<std::shared_ptr<const Volume>> readWith(const std::string& path, const Bu
   info.modality = h->modality;
   info.title = std::filesystem::path(path).stem().string();
   Result<std::shared_ptr<const Volume>> volume = Volume::make(std::move(info), std::move(voxels));
-  if (!volume) return makeError(volume.error().code, volume.error().sentence, path);
+  if (!volume) return makeError(volume.error().code, volume.error().sentence, nameOnly(path));
   return keepReservation(std::move(volume).value(), std::move(reservation));
 }
 

@@ -114,6 +114,24 @@ TEST(Describe, ImageFrames) {
   EXPECT_EQ(describeImage(layer, {}, info, window).what[1].text, "unscaled: stored values");
 }
 
+TEST(Describe, QuadrupedsHaveNoLettersAndSaySo) {
+  VolumeInfo dog = headOf(28, 1);
+  dog.findings = {{"quadruped", Severity::Warning, "", {}}};
+  const Annotations slice = described(dog, "axial");
+  EXPECT_EQ(slice.letters, EdgeLetters{});
+  EXPECT_THAT(texts(slice.what), Contains("quadruped: no letters"));
+
+  ImageFrameInfo frame;
+  frame.columns = frame.rows = 4;
+  frame.plane = FramePlane{{}, PatientVec(1, 0, 0), PatientVec(0, 1, 0)};
+  const VoiWindow window{40, 400, VoiFunction::Linear, ""};
+  EXPECT_EQ(describeImage({}, {}, frame, window).letters, (EdgeLetters{"R", "L", "A", "P"}));
+  frame.findings = dog.findings;
+  const Annotations image = describeImage({}, {}, frame, window);
+  EXPECT_EQ(image.letters, EdgeLetters{});
+  EXPECT_THAT(texts(image.what), Contains("quadruped: no letters"));
+}
+
 TEST(Describe, ErrorsAreRoundedUp) {
   EXPECT_EQ(errorLine(0.3101, 99).text, "error <= 0.32 of 255 (99 %)");
   EXPECT_EQ(errorLine(0.31, 99).text, "error <= 0.31 of 255 (99 %)");

@@ -5,9 +5,14 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <array>
+
 #include "Attributes.h"
+#include "FrameWindows.h"
 #include "HeaderBytes.h"
+#include "Text.h"
 #include "vernier/base/Random.h"
+#include "vernier/study/Decode.h"
 #include "vernier/study/Limits.h"
 
 namespace vernier {
@@ -219,6 +224,19 @@ TEST(Header, ElementAtAndOverTheSizeLimit) {
   }
 }
 
+TEST(Header, MetaElementAtAndOverTheSizeLimit) {
+  for (const std::uint64_t over : {0, 2}) {
+    Bytes b;
+    const auto n = static_cast<std::uint32_t>(limits::kMaxNonPixelElementBytes + over);
+    b.part10().longHead(2, 0x0102, "OB", n).raw(std::string(n, 'x')).ctObject();
+    const Header h = read(b);
+    ASSERT_EQ(h.damage.has_value(), over > 0);
+    if (h.damage) {
+      EXPECT_EQ(h.damage->code, ErrorCode::LimitExceeded);
+    }
+  }
+}
+
 TEST(Header, DamagedBytesNeverDoHarm) {
   Bytes good = nested(4);
   good.element(0x28, 2, "US", std::string("\1\0", 2)).element(0x28, 0x10, "US", std::string("\4\0", 2));
@@ -282,6 +300,88 @@ TEST(Header, RowsOfAnotherVrAreALie) {
   ASSERT_TRUE(r.instance.pixelError);
   EXPECT_EQ(r.instance.pixelError->code, ErrorCode::PixelDescriptionInvalid);
   EXPECT_NE(r.instance.pixelError->sentence.find("UL"), std::string::npos);
+}
+
+// Two readers walk a file: the scan, and the decoder on its way to the pixels. What the one accepts the other
+// must find.
+TEST(Header, TheDecoderFindsWhatTheScanAccepts) {
+  Bytes unknownVr, noVr, strayItem, noItemEnd, twoItemEnds;
+  unknownVr.longHead(9, 0x1001, "ZZ", 4).raw("abcd");
+  noVr.element(9, 0x1001, "\x01\x02", "abcd");
+  strayItem.item(4).itemEnd();
+  noItemEnd.longHead(9, 0x1001, "SQ", kUndefinedLength).item(kUndefinedLength);
+  noItemEnd.element(9, 0x1002, "LO", "x").sequenceEnd();
+  twoItemEnds.longHead(9, 0x1001, "SQ", kUndefinedLength).item(kUndefinedLength).itemEnd().itemEnd();
+  twoItemEnds.sequenceEnd();
+  const auto us = [](int v) { return std::string{static_cast<char>(v), '\0'}; };
+  for (const Bytes* odd : {&unknownVr, &noVr, &strayItem, &noItemEnd, &twoItemEnds})
+    for (const bool inFront : {false, true}) {
+      if (inFront && odd != &strayItem) continue;
+      SCOPED_TRACE(odd->data);
+      Bytes b;
+      b.part10();
+      if (inFront) b.raw(odd->data);
+      b.ctObject();
+      if (!inFront) b.raw(odd->data);
+      b.element(0x28, 2, "US", us(1)).element(0x28, 4, "CS", "MONOCHROME2");
+      b.element(0x28, 0x10, "US", us(2)).element(0x28, 0x11, "US", us(2)).element(0x28, 0x100, "US", us(8));
+      b.longHead(0x7FE0, 0x10, "OB", 4).raw("1234");
+      const Header h = read(b);
+      ASSERT_FALSE(h.damage);
+      const Record r = recordFrom(h);
+      ASSERT_TRUE(r.instance.isImage && !r.instance.pixelError);
+      std::array<std::byte, 4> out{};
+      const auto decoded = decode(b.span(), r.instance.pixels, out);
+      EXPECT_TRUE(decoded) << decoded.error().text();
+      EXPECT_EQ(std::to_integer<char>(out[3]), '4');
+    }
+}
+
+TEST(Attributes, QuadrupedIsSeen) {
+  for (const char* type : {"BIPED", "QUADRUPED"}) {
+    Bytes b;
+    b.part10().ctObject().element(0x10, 0x2210, "CS", type);
+    const auto source = memorySource(b.span());
+    const auto h = readHeader(*source);
+    ASSERT_TRUE(h);
+    EXPECT_EQ(recordFrom(*h).quadruped, std::string(type) == "QUADRUPED");
+  }
+}
+
+// Three frames: one with a window of its own, two with the shared one; then all three with their own.
+TEST(Attributes, DifferentWindowsOfFrames) {
+  const auto group = [](const char* width) {
+    Bytes window, voi;
+    window.element(0x28, 0x1050, "DS", "40").element(0x28, 0x1051, "DS", width);
+    voi.longHead(0x28, 0x9132, "SQ", kUndefinedLength)
+        .item(static_cast<std::uint32_t>(window.data.size()))
+        .raw(window.data)
+        .sequenceEnd();
+    return voi.data;
+  };
+  const auto windowsOf = [&](const char* shared, const std::vector<const char*>& frames) {
+    Bytes b;
+    b.part10().ctObject().element(0x28, 0x1050, "DS", "1").element(0x28, 0x1051, "DS", "2");
+    b.longHead(0x5200, 0x9229, "SQ", kUndefinedLength).item(kUndefinedLength);
+    if (shared) b.raw(group(shared));
+    b.itemEnd().sequenceEnd();
+    b.longHead(0x5200, 0x9230, "SQ", kUndefinedLength);
+    for (const char* f : frames) {
+      b.item(kUndefinedLength);
+      if (f) b.raw(group(f));
+      b.itemEnd();
+    }
+    b.sequenceEnd();
+    const auto source = memorySource(b.span());
+    const auto h = readHeader(*source);
+    EXPECT_TRUE(h && !h->damage);
+    return h ? differentFrameWindows(*h) : 0;
+  };
+  EXPECT_EQ(windowsOf("400", {"350", nullptr, nullptr}), 2u);
+  EXPECT_EQ(windowsOf("400", {"350", "300", "250"}), 3u);
+  EXPECT_EQ(windowsOf("400", {"350", "350"}), 1u);
+  EXPECT_EQ(windowsOf("400", {nullptr, nullptr}), 1u);
+  EXPECT_EQ(windowsOf(nullptr, {nullptr, nullptr}), 0u) << "the root does not count";
 }
 
 TEST(Attributes, DecimalStrings) {

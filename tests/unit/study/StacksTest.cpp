@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 #include "StackGeometry.h"
@@ -203,6 +204,35 @@ TEST(Stacks, CrookedOrientationIsFlaggedOrRefused) {
   s = makeStacks(records, all(records));
   EXPECT_FALSE(s.stacks[0].volume3d);
   EXPECT_EQ(s.stacks[0].findings.at(0).code, "orientation-unusable");
+}
+
+TEST(Stacks, EqualLabelsAreNumberedAndLongOnesCut) {
+  std::vector<Record> records = series(3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double a = 0.1 * static_cast<double>(k);
+    records[k].instance.plane->rowDirection = PatientVec(std::cos(a), std::sin(a), 0);
+    records[k].instance.plane->columnDirection = PatientVec(-std::sin(a), std::cos(a), 0);
+  }
+  SplitResult s = makeStacks(records, all(records));
+  ASSERT_EQ(s.stacks.size(), 3u);
+  EXPECT_EQ(s.stacks[0].label, "orientation axial, 1 of 3");
+  EXPECT_EQ(s.stacks[2].label, "orientation axial, 3 of 3");
+
+  records = series(2);
+  records[0].kernel = std::string(39, 'x') + "\xC3\xA9" + std::string(1000, 'x');
+  s = makeStacks(records, all(records));
+  ASSERT_EQ(s.stacks.size(), 2u);
+  EXPECT_EQ(s.stacks[0].label, "kernel " + std::string(39, 'x') + "...") << "no half character";
+}
+
+TEST(Stacks, QuadrupedsAreSaid) {
+  std::vector<Record> records = series(2);
+  EXPECT_TRUE(makeStacks(records, all(records)).stacks.at(0).findings.empty());
+  for (Record& r : records) r.quadruped = true;
+  const SplitResult s = makeStacks(records, all(records));
+  ASSERT_EQ(s.stacks.at(0).findings.size(), 1u);
+  EXPECT_EQ(s.stacks[0].findings[0].code, "quadruped");
+  EXPECT_EQ(s.stacks[0].findings[0].severity, Severity::Warning);
 }
 
 TEST(Stacks, ResultDoesNotDependOnTheOrderOfFiles) {

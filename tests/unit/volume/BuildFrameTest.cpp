@@ -120,6 +120,36 @@ TEST(BuildFrame, BlurredPaddingIsOutOfTheWindowOnly) {
   EXPECT_LT((*build(s, 0))->info().autoWindow.center, 0);
 }
 
+// The window of the whole stack leaves it out too.
+TEST(BuildFrame, BlurredPaddingIsOutOfTheWindowOfAStack) {
+  HandMadeStudy s;
+  test::DicomSlice d;
+  d.rows = d.columns = 3;
+  d.pixels = {-2000, -1990, -2000, -1500, 40, -1300, -2001, -2000, -1999};
+  makeStudy(s, {d, d});
+  for (std::size_t n = 0; n < 2; ++n) s.instance(n).lossy = true;
+  EXPECT_EQ((*build(s, 0))->info().autoWindow.center, 40);
+  for (std::size_t n = 0; n < 2; ++n) s.instance(n).lossy = false;
+  EXPECT_LT((*build(s, 0))->info().autoWindow.center, 0);
+}
+
+// Unsigned pixels with intercept -1024: the lowest value is air of -1024 HU, which is no padding as long as
+// nothing was blurred.
+TEST(BuildFrame, AirOfALossyCtIsNoPadding) {
+  HandMadeStudy s;
+  test::DicomSlice d;
+  d.rows = d.columns = 2;
+  d.isSigned = false;
+  d.intercept = -1024;
+  d.pixels = {0, 0, 0, 1064};
+  makeStudy(s, {d});
+  s.instance(0).lossy = true;
+  s.instance(0).windows = {{1, 10, VoiFunction::Linear, ""}};
+  const VoiWindow w = (*build(s, 0))->info().autoWindow;
+  EXPECT_EQ(w.center, -492);
+  EXPECT_EQ(w.width, 1064);
+}
+
 TEST(BuildFrame, RefusesWithASentence) {
   HandMadeStudy s;
   makeStudy(s, countingSlices(2));

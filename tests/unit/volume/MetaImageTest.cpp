@@ -52,6 +52,7 @@ struct Case {
     EXPECT_FALSE(v.ok()) << header;
     if (v.ok()) return ErrorCode::Internal;
     EXPECT_FALSE(v.error().sentence.empty());
+    EXPECT_EQ(v.error().where.find('/'), std::string::npos) << "no path in an error";
     return v.error().code;
   }
 };

@@ -45,6 +45,8 @@ bool oneOf(std::string_view list, char a, char b) {
   return false;
 }
 
+bool isUpper(char c) { return c >= 'A' && c <= 'Z'; }
+
 Error damaged(std::uint64_t at) {
   return makeError(ErrorCode::FileDamaged, "The file's structure is damaged or cut short at byte " +
                                                std::to_string(at) +
@@ -67,11 +69,13 @@ class Walker {
       return true;
     }
     h.vr = {std::to_integer<char>(b[4]), std::to_integer<char>(b[5])};
-    if (oneOf(kShortVrs, h.vr[0], h.vr[1])) {
+    // As the scan reads it (Header.cpp): an unknown VR has the long form, one that isn't two letters the
+    // short.
+    const bool longForm = !oneOf(kShortVrs, h.vr[0], h.vr[1]) && isUpper(h.vr[0]) && isUpper(h.vr[1]);
+    if (!longForm) {
       h.length = u16(b.data() + 6, e.big);
       return true;
     }
-    if (!oneOf(kLongVrs, h.vr[0], h.vr[1])) return false;
     if (!s_.read(at + 8, std::span(b).subspan(8, 4))) return false;
     h.length = u32(b.data() + 8, e.big);
     h.value = at + 12;
@@ -83,10 +87,12 @@ class Walker {
   }
 
   // Explicit when a known VR stands in the first element; big endian when its group is smaller read that way.
-  Encoding guess(std::uint64_t at) {
+  Encoding guess(std::uint64_t at, Encoding declared) {
     std::array<std::byte, 6> b{};
     if (!s_.read(at, b)) return {};
     Encoding e;
+    // A stray delimiter in front has no VR and says nothing about the encoding: what was declared counts.
+    if (b[0] == std::byte{0xFE} && b[1] == std::byte{0xFF}) return declared;
     e.big = u16(b.data(), true) < u16(b.data(), false);
     const char v0 = std::to_integer<char>(b[4]), v1 = std::to_integer<char>(b[5]);
     e.isExplicit = oneOf(kShortVrs, v0, v1) || oneOf(kLongVrs, v0, v1);
@@ -112,9 +118,15 @@ Result<std::uint64_t> Walker::skipSequence(std::uint64_t at, Encoding e) {
     const Level level = levels.back();
     ElementHeader h;
     if (!header(at, level.encoding, h)) return damaged(at);
+    if (h.tag == kSequenceEnd) {
+      // Writers forget item delimiters; a sequence delimiter closes the item too.
+      if (!level.sequence) levels.pop_back();
+      levels.pop_back();
+      at = h.value;
+      continue;
+    }
     if (level.sequence) {
-      if (h.tag == kSequenceEnd) {
-        levels.pop_back();
+      if (h.tag == kItemEnd) {
         at = h.value;
         continue;
       }
@@ -209,20 +221,23 @@ Result<std::uint64_t> dataSetOffset(Source& file) {
 
 Result<PixelIndex> indexPixels(Source& source, std::uint64_t dataSetStart, const FrameSpec& spec) {
   Walker walker(source);
-  const Encoding e = walker.guess(dataSetStart);
+  const Encoding e = walker.guess(dataSetStart, {spec.transferSyntaxUid != "1.2.840.10008.1.2",
+                                                 spec.transferSyntaxUid == "1.2.840.10008.1.2.2"});
   std::uint64_t at = dataSetStart;
   while (at < source.size()) {
     ElementHeader h;
     if (!walker.header(at, e, h)) return damaged(at);
     if (h.tag == 0x7FE00008 || h.tag == 0x7FE00009 || h.tag == 0x7FE00010)
       return indexFound(walker, source, h, e, spec);
-    if (h.tag == kItem) return damaged(at);
+    if (h.tag >> 16 == 0xFFFE) {  // stands outside of any sequence: passed over
+      at = h.value;
+      continue;
+    }
     if (h.length == kUndefined) {
       const auto after = walker.skipSequence(h.value, h.is("UN") ? Encoding{false, false} : e);
       if (!after) return after.error();
       at = *after;
     } else {
-      // Delimiters that stand alone have no length, and are passed over.
       if (!walker.skippable(h)) return damaged(at);
       at = h.value + h.length;
     }
