@@ -90,7 +90,7 @@ std::string geometryText(const Stack& s) {
     case StackShape::NoGeometry:
       return "no geometry";
     case StackShape::Single:
-      return "single";
+      return "";  // the number of slices says it
     case StackShape::Uniform:
       return "step " + number(s.step_mm) + " mm";
     case StackShape::Sheared:
@@ -108,7 +108,8 @@ void addStack(const StudySet& set, const Stack& s, std::string& out) {
          "x" + std::to_string(first.pixels.rows) + ", ";
   if (first.pixelSpacing_mm.x > 0)
     out += "pixel " + number(first.pixelSpacing_mm.y, 4) + "x" + number(first.pixelSpacing_mm.x, 4) + " mm, ";
-  out += geometryText(s) + ", unit " + first.unit;
+  const std::string geometry = geometryText(s);
+  out += geometry + (geometry.empty() ? "unit " : ", unit ") + safe(first.unit);
   if (!s.label.empty()) out += "  [" + safe(s.label) + "]";
   out += s.volume3d ? "  3-D\n" : "  2-D only: " + s.why2d + "\n";
   addFindings(s.findings, "             ", out);
