@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "Annotations.h"
 
+#include "Version.h"
+#include "vernier/picture/Hatch.h"
 #include "vernier/picture/Quantise.h"
 #include "vernier/volume/Voi.h"
 
@@ -14,7 +16,7 @@ Result<Annotations> describeLayer(Session& session, const SliceLayer& layer, con
   const Result<SlicePicture> picture = slicePicture(layer, scene.camera, view, **volume);
   if (!picture) return picture.error();
   const VoiWindow window =
-      layer.window && usableWindow(*layer.window) ? *layer.window : defaultWindow(**volume);
+      layer.window && usableWindow(*layer.window) ? *layer.window : session.defaultWindowOf(**volume);
   return describeSlice(layer, *picture, (*volume)->info(), window);
 }
 
@@ -55,9 +57,25 @@ Result<Annotations> annotationsFor(Session& session, const Scene& scene, const V
   return a;
 }
 
+std::vector<PngText> pngTexts(const Rendered& r) {
+  std::vector<PngText> texts{{"Software", std::string("vernier ") + kVersion + ", not for primary diagnosis"},
+                             {"Engine", r.frame.technique + ", " + r.frame.renderer}};
+  if (r.error) texts.push_back({"Error", quality::errorSentence(*r.error)});
+  if (!r.goalNote.empty()) texts.push_back({"Goal", r.goalNote});
+  return texts;
+}
+
 Result<Picture> finishedPicture(Session& session, const Scene& scene, const View& view, const Rendered& r,
                                 std::optional<double> limit, double scale) {
   Picture picture = quantise(r.frame.images);
+  for (const Layer& layer : scene.layers)
+    if (const auto* slice = std::get_if<SliceLayer>(&layer)) {
+      const auto volume = session.volume(slice->source);
+      if (!volume) return volume.error();
+      const Result<SlicePicture> place = slicePicture(*slice, scene.camera, view, **volume);
+      if (!place) return place.error();
+      hatchGaps(picture, r.frame.images, *place, (*volume)->grid());
+    }
   const Result<Annotations> a = annotationsFor(session, scene, view, r, limit);
   if (!a) return a.error();
   annotate(picture, *a, scale);

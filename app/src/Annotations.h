@@ -4,12 +4,17 @@
 #pragma once
 #include "Session.h"
 #include "vernier/picture/Describe.h"
+#include "vernier/picture/Png.h"
 
 namespace vernier::app {
 
 // `limit`: the error that the user asked for; the figure is amber above it.
 Result<Annotations> annotationsFor(Session&, const Scene&, const View&, const Rendered&,
                                    std::optional<double> limit);
+
+// What a PNG says of itself beside its pixels: the program, its engine, the measured error. No value of the
+// patient.
+std::vector<PngText> pngTexts(const Rendered&);
 
 // The 8-bit picture with its letters; `scale` 1..3.
 Result<Picture> finishedPicture(Session&, const Scene&, const View&, const Rendered&,

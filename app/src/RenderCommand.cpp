@@ -82,7 +82,7 @@ int run(const GlobalOptions& global, const Options& o) {
                                           : finishedPicture(*session, request->scene, request->view,
                                                             *rendered, o.view.maxError, o.scale);
     if (!picture) return report(picture.error());
-    if (const Result<void> r = writePng(o.out, *picture); !r) return report(r.error());
+    if (const Result<void> r = writePng(o.out, *picture, pngTexts(*rendered)); !r) return report(r.error());
   }
   if (!o.report.empty()) {
     in.session = session.get();

@@ -53,7 +53,8 @@ Json planFacts(const Plan& plan) {
 Json ladderFacts(const std::vector<quality::LadderRung>& rungs) {
   Json j = Json::array();
   for (const quality::LadderRung& r : rungs)
-    j.push_back({{"step", r.step}, {"bound", r.error.bound ? Json(*r.error.bound) : Json()}, {"rms", r.error.rms}});
+    j.push_back(
+        {{"step", r.step}, {"bound", r.error.bound ? Json(*r.error.bound) : Json()}, {"rms", r.error.rms}});
   return j;
 }
 
@@ -115,6 +116,7 @@ std::string reportJson(const ReportInput& in) {
   j["engine"] = {{"name", r.frame.engine},
                  {"renderer", r.frame.renderer},
                  {"technique", r.frame.technique},
+                 {"simd", in.session->capabilities(false).simd},
                  {"threads", in.session->threadCount()}};
   j["timing"] = {{"load_ms", in.timing.load_ms},
                  {"prepare_ms", r.frame.prepare_ms},

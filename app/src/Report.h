@@ -15,7 +15,7 @@ struct Timing {
 };
 
 struct ReportInput {
-  const Session* session = nullptr;
+  Session* session = nullptr;
   const RenderRequest* request = nullptr;
   const Rendered* rendered = nullptr;
   Timing timing;

@@ -3,24 +3,14 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <filesystem>
-#include <map>
 
-#include "RenderThread.h"
-#include "vernier/base/Guarded.h"
+#include "SessionImpl.h"
 #include "vernier/base/Threads.h"
 #include "vernier/base/Trace.h"
-#include "vernier/gpu/Device.h"
-#include "vernier/native/Simd.h"
 
 namespace vernier::app {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-double msSince(Clock::time_point t) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - t).count();
-}
 
 bool looksLikeMetaImage(const std::string& path) {
   std::string ext = std::filesystem::path(path).extension().string();
@@ -50,48 +40,6 @@ Error whyNothingIsShown(const StudySet& study) {
 }
 
 }  // namespace
-
-struct Session::Impl {
-  explicit Impl(const SessionOptions& o)
-      : budget(o.memory_mb > 0 ? o.memory_mb << 20 : MemoryBudget::halfOfFreeBytes()),
-        plugins([this] { return device(); }) {
-    std::vector<std::string> folders{PluginHost::installFolder()};
-    folders.insert(folders.end(), o.pluginFolders.begin(), o.pluginFolders.end());
-    plugins.load(folders);
-  }
-  ~Impl() {
-    renderThread.run([&] { glDevice.reset(); });  // GL objects are freed where they were made
-  }
-
-  Result<gpu::Device*> device() {
-    if (!glDevice) {
-      Result<std::unique_ptr<gpu::Device>> made = gpu::Device::make();
-      if (!made) return made.error();
-      glDevice = std::move(*made);
-    }
-    return glDevice.get();
-  }
-  const Capabilities& look(bool withGl);
-  Result<Sources> sourcesFor(Session&, const Scene&, std::stop_token);
-  Result<Plan> planFor(const Scene&, const View&, const Quality&, const Sources&, bool explain);
-  Scene withoutAbsentLayers(Scene) const;
-  Result<Frame> execute(const Plan&, const View&, std::stop_token, Frame reuse);
-
-  MemoryBudget budget;
-  StudySet study;
-  std::shared_ptr<const Volume> metaImage;
-  std::optional<StackChoice> chosen;
-  bool bridge = false;
-  std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const Volume>> volumes;
-  std::map<std::tuple<std::size_t, std::size_t, std::int64_t>, std::shared_ptr<const ImageFrame>> images;
-  std::optional<Capabilities> capabilities;
-  bool lookedForGl = false;
-  std::uint64_t derivedBytes = 0;
-  CostTable costs;
-  std::unique_ptr<gpu::Device> glDevice;  // touched on the render thread only
-  PluginHost plugins;
-  RenderThread renderThread;
-};
 
 Session::Session(const SessionOptions& o) {
   setThreads(o.threads);
@@ -221,6 +169,16 @@ Result<std::shared_ptr<const Volume>> Session::volume(const std::string& source,
   return built;
 }
 
+VoiWindow Session::Impl::windowOf(const Volume& volume) {
+  const DerivedCache::Key key{"default window", volume.revision(), ""};
+  const auto window = derived.get<VoiWindow>(key, [&]() -> Result<DerivedCache::Made<VoiWindow>> {
+    return DerivedCache::Made<VoiWindow>{std::make_shared<VoiWindow>(defaultWindow(volume)),
+                                         sizeof(VoiWindow)};
+  });
+  return **window;
+}
+VoiWindow Session::defaultWindowOf(const Volume& volume) const { return impl_->windowOf(volume); }
+
 Result<std::int64_t> Session::imageCount(const std::string& source) const {
   if (impl_->metaImage) return impl_->metaImage->grid().slices;
   const Result<StackChoice> c = resolve(*this, impl_->chosen, source);
@@ -248,165 +206,6 @@ Result<std::shared_ptr<const ImageFrame>> Session::image(const std::string& sour
       buildImageFrame(impl_->study, *seriesOf(*c), stack, static_cast<std::size_t>(index));
   if (built) slot = *built;
   return built;
-}
-
-const Capabilities& Session::capabilities(bool withGl) { return impl_->look(withGl); }
-
-const Capabilities& Session::Impl::look(bool withGl) {
-  if (!capabilities) {
-    capabilities.emplace();
-    capabilities->simd = native::simdTarget();
-    capabilities->threads = threads();
-    capabilities->glWhyNot = "OpenGL was not looked for: nothing needed it.";
-  }
-  if (withGl && !lookedForGl) {
-    lookedForGl = true;
-    renderThread.run([&] {
-      if (const Result<gpu::Device*> d = device(); d)
-        gpu::describe((*d)->limits(), *capabilities);
-      else
-        capabilities->glWhyNot = d.error().sentence;
-    });
-  }
-  return *capabilities;
-}
-
-// Without a card native is the faster engine for all that it can draw, and looking for GL costs a context. So
-// GL is looked for only when it was asked for, when the plan is to be explained, or when native alone cannot
-// show the scene.
-Result<Plan> Session::Impl::planFor(const Scene& scene, const View& view, const Quality& quality,
-                                    const Sources& sources, bool explain) {
-  const bool glWanted = explain || quality.engine == EngineChoice::Gl || !quality.technique.empty();
-  const auto make = [&](bool withGl) {
-    return makePlan(scene, view, quality, look(withGl), costs, sources, plugins.techniques());
-  };
-  if (glWanted || quality.engine == EngineChoice::Native) return make(glWanted);
-  Result<Plan> plan = make(false);
-  if (plan && plan->showsWholeScene) return plan;
-  return make(true);
-}
-
-Result<Sources> Session::Impl::sourcesFor(Session& session, const Scene& scene, std::stop_token stop) {
-  Sources sources;
-  for (const Layer& layer : scene.layers) {
-    if (const auto* slice = std::get_if<SliceLayer>(&layer)) {
-      const auto v = session.volume(slice->source, {}, stop);
-      if (!v) return v.error();
-      sources.volumes[slice->source] = *v;
-    } else if (const auto* image = std::get_if<ImageLayer>(&layer)) {
-      const auto f = session.image(image->source, image->index);
-      if (!f) return f.error();
-      sources.images[{image->source, image->index}] = *f;
-    }
-  }
-  return sources;
-}
-
-Result<Plan> Session::plan(const Scene& scene, const View& view, const Quality& quality, bool explain) {
-  const Result<Sources> sources = impl_->sourcesFor(*this, scene, {});
-  if (!sources) return sources.error();
-  return impl_->planFor(scene, view, quality, *sources, explain);
-}
-
-// The error of a picture is that of what it shows; layers that wait for a plugin are named in the plan's
-// notes.
-Scene Session::Impl::withoutAbsentLayers(Scene scene) const {
-  std::erase_if(scene.layers,
-                [&](const Layer& l) { return plugins.techniques().drawing(kindOf(l)).empty(); });
-  return scene;
-}
-
-Result<Frame> Session::Impl::execute(const Plan& plan, const View& view, std::stop_token stop, Frame reuse) {
-  const TraceSpan span("frame");
-  const auto begin = Clock::now();
-  Frame frame = std::move(reuse);
-  frame.images.counters = {};
-  // Techniques size the images and write every pixel; clearing them first would cost as much as a slice.
-  if (plan.passes.empty()) frame.images.allocate(view.width_px, view.height_px, view.wantValues);
-  Result<void> done;
-  renderThread.run([&] {
-    for (const Pass& pass : plan.passes) {
-      const TraceSpan passSpan("pass");
-      const Technique* technique = plugins.techniques().find(pass.technique);
-      VERNIER_ASSERT(technique != nullptr);  // the planner only names registered techniques
-      done = guarded(pass.name, [&] { return technique->execute(pass, frame.images, stop); });
-      if (!done) return;
-      ++frame.images.counters.passes;
-    }
-    derivedBytes = glDevice ? glDevice->cache().bytes() : 0;
-  });
-  if (!done) return done.error();
-  if (!plan.passes.empty()) {
-    frame.technique = plan.passes.front().technique;
-    frame.engine = plan.passes.front().engine == Engine::Native ? "native" : "gl";
-  }
-  frame.renderer = frame.engine == "gl" ? capabilities->glRenderer : capabilities->simd;
-  frame.render_ms = msSince(begin);
-  return frame;
-}
-
-Result<Rendered> Session::render(const Scene& scene, const View& view, const Quality& asked,
-                                 const RenderOptions& options, std::stop_token stop, Frame reuse) {
-  if (view.width_px < 1 || view.height_px < 1 || view.width_px > 16384 || view.height_px > 16384)
-    return makeError(ErrorCode::OptionInvalid, "A picture is 1 to 16384 pixels wide and high.", "--size");
-  const auto begin = Clock::now();
-  const Result<Sources> sources = impl_->sourcesFor(*this, scene, stop);
-  if (!sources) return sources.error();
-  const double prepare_ms = msSince(begin);
-
-  Rendered out;
-  Quality quality = asked;
-  Frame buffers = std::move(reuse);
-  const quality::RenderAtStep draw = [&](double step) -> Result<Frame> {
-    quality.step = step;
-    Result<Plan> plan = impl_->planFor(scene, view, quality, *sources, options.explain);
-    if (!plan) return plan.error();
-    out.plan = std::move(*plan);
-    Result<Frame> frame = impl_->execute(out.plan, view, stop, std::move(buffers));
-    if (frame) frame->prepare_ms = prepare_ms;
-    return frame;
-  };
-  const Scene shown = impl_->withoutAbsentLayers(scene);
-  if (shown.layers.empty() && !scene.layers.empty())
-    return makeError(ErrorCode::PluginMissing,
-                     "Nothing of the scene can be shown: " + kindOf(scene.layers[0]) + " needs plugin " +
-                         pluginOf(kindOf(scene.layers[0])) +
-                         ", which is not loaded; `vernier plugins` says why.");
-  const quality::MeasureFrame measure = [&](const Frame& frame, double step) {
-    quality::ErrorOptions error = options.error;
-    error.reference.step = step;
-    return quality::measureError(frame, shown, view, *sources, error, stop);
-  };
-  if (!options.measure || asked.level == QualityLevel::Draft) {
-    Result<Frame> frame = draw(asked.step);
-    if (!frame) return frame.error();
-    out.frame = std::move(*frame);
-    out.step = asked.step;
-    if (!options.measure) return out;
-    Result<quality::ErrorReport> error = measure(out.frame, asked.step);
-    if (!error) return error.error();
-    out.error = std::move(*error);
-    return out;
-  }
-  quality::LadderOptions ladder;
-  ladder.goal = options.goal.value_or(asked.level == QualityLevel::Reference ? 0.5 : 2.0);
-  ladder.firstStep = asked.step;
-  ladder.limit_ms = options.timeLimit_ms.value_or(asked.level == QualityLevel::Reference ? 60'000.0 : 5'000.0);
-  Result<quality::LadderResult> reached = quality::climb(draw, measure, ladder, stop);
-  if (!reached) return reached.error();
-  if (quality.step != reached->reached.step) {  // the plan that belongs to the picture that is kept
-    quality.step = reached->reached.step;
-    Result<Plan> plan = impl_->planFor(scene, view, quality, *sources, options.explain);
-    if (!plan) return plan.error();
-    out.plan = std::move(*plan);
-  }
-  out.frame = std::move(reached->frame);
-  out.error = std::move(reached->reached.error);
-  out.step = quality.step;
-  out.goalReached = reached->goalReached;
-  out.goalNote = std::move(reached->said);
-  out.rungs = std::move(reached->rungs);
-  return out;
 }
 
 }  // namespace vernier::app

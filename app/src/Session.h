@@ -32,7 +32,7 @@ struct Rendered {
   double step = 1;                            // Quality::step that the picture was drawn with
   bool goalReached = true;                    // false: the closed loop stopped above the goal
   std::string goalNote;                       // "goal not reached: 0.9", or empty
-  std::vector<quality::LadderRung> rungs;  // all steps of the closed loop that were drawn and measured
+  std::vector<quality::LadderRung> rungs;     // all steps of the closed loop that were drawn and measured
 };
 
 struct RenderOptions {
@@ -69,6 +69,8 @@ class Session {
   Result<std::shared_ptr<const Volume>> volume(const std::string& source, const ProgressFn& = {},
                                                std::stop_token = {});
   Result<std::shared_ptr<const ImageFrame>> image(const std::string& source, std::int64_t index);
+  VoiWindow defaultWindowOf(
+      const Volume&) const;  // the file's, else the automatic one; found once per volume
   Result<std::int64_t> imageCount(const std::string& source) const;
   void bridgeGaps(bool);
   // What source "" stands for, once chosen; nullptr for MetaImage or before.
@@ -76,7 +78,7 @@ class Session {
   const Stack* chosenStack() const;
   std::shared_ptr<const Volume> builtVolume() const;  // of source "", if it has been built
   int threadCount() const;
-  std::uint64_t derivedBytes() const;  // textures and other derived data held after the last frame
+  std::uint64_t derivedBytes() const;  // textures, windows and other derived data held after the last frame
 
   // With `explain` GL is looked for even where the plan does not need it, so that its costs stand among the
   // rejected.

@@ -45,6 +45,11 @@ Result<SheetEntry> entryFor(Session& session, const Options& o, const Settings& 
                             const std::string& view, const ProgressFn& progress, std::stop_token stop) {
   ViewOptions one = o.view;
   one.view = view;
+  const bool free =
+      view == "oblique" || view == "slab";  // each option goes to the views that have a use for it
+  if (free) one.slice.reset();
+  if (!free) one.plane.clear();
+  if (view != "slab") one.slab_mm.reset(), one.slabMode.clear();
   const Result<RenderRequest> request = makeRequest(session, one, settings, progress, stop);
   if (!request) return request.error();
   const Result<Rendered> rendered =
@@ -69,6 +74,9 @@ Result<SheetEntry> entryFor(Session& session, const Options& o, const Settings& 
 }
 
 int run(const GlobalOptions& global, const Options& o) {
+  if (!o.view.view.empty() || !o.view.sceneFile.empty())
+    return report(makeError(ErrorCode::OptionInvalid, "A sheet shows several views; name them with --views.",
+                            o.view.view.empty() ? "--scene" : "--view"));
   const Result<Settings> settings = readSettings(global.flags);
   if (!settings) return report(settings.error());
   const auto session = makeSession(global);

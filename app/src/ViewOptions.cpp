@@ -173,8 +173,9 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
   sub.add_option("--slice", o.slice, "Slice, counted from 0 along the view's axis (absent: the middle)");
   sub.add_option("--slab", o.slab_mm, "Slab thickness in mm, centred on the plane")
       ->check(CLI::Range(0.0, 1e5));
-  sub.add_option("--slab-mode", o.slabMode, "max min mean")->check(CLI::IsMember({"max", "min", "mean"}));
-  sub.add_option("--interpolation", o.interpolation, "nearest linear")
+  sub.add_option("--slab-mode", o.slabMode, "max min mean (absent: max)")
+      ->check(CLI::IsMember({"max", "min", "mean"}));
+  sub.add_option("--interpolation", o.interpolation, "nearest linear (absent: linear)")
       ->check(CLI::IsMember({"nearest", "linear"}));
   auto* window = sub.add_option("--window", o.window, "CENTER,WIDTH in modality values (HU for CT)");
   sub.add_option("--preset", o.preset, "brain subdural stroke lung bone abdomen mediastinum liver")
@@ -192,11 +193,32 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
       ->check(CLI::Range(1, 100'000'000))
       ->capture_default_str();
   sub.add_option("--seed", o.seed, "Seed of the error's sample")->capture_default_str();
-  sub.add_flag("--no-error", o.noError, "Do not measure the error");
+  sub.add_flag("--no-error", o.noError, "Do not measure the error")->excludes("--max-error");
   sub.add_flag("--bridge-gaps", o.bridge, "Interpolate across missing slices; the picture says so");
 }
 
 namespace {
+
+// A scene says all of this itself; an option that would be ignored is refused.
+Result<void> nothingBesideScene(const ViewOptions& o) {
+  const std::pair<const char*, bool> given[] = {
+      {"--camera", !o.camera.empty()},      {"--plane", !o.plane.empty()},
+      {"--slice", o.slice.has_value()},     {"--slab", o.slab_mm.has_value()},
+      {"--slab-mode", !o.slabMode.empty()}, {"--interpolation", !o.interpolation.empty()},
+      {"--window", !o.window.empty()},      {"--preset", !o.preset.empty()}};
+  for (const auto& [option, isGiven] : given)
+    if (isGiven) return invalid(option, "It goes with --view; a scene file says this itself.");
+  return {};
+}
+
+// Likewise for options that stored frames have no use for.
+Result<void> nothingForStacks(const ViewOptions& o) {
+  if (!o.plane.empty())
+    return invalid("--plane", "The view stack shows stored frames; choose one with --slice.");
+  if (o.slab_mm || !o.slabMode.empty())
+    return invalid("--slab", "The view stack shows stored frames; use axial, coronal, sagittal or oblique.");
+  return {};
+}
 
 Result<Scene> sceneFromFile(const std::string& path) {
   std::error_code ec;
@@ -220,10 +242,12 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
     if (!plane) return plane.error();
     p.plane = *plane;
   }
-  if (o.slab_mm)
-    p.slab = Slab{*o.slab_mm, o.slabMode == "max"   ? SlabMode::Max
-                              : o.slabMode == "min" ? SlabMode::Min
-                                                    : SlabMode::Mean};
+  if (!o.slab_mm && !o.slabMode.empty() && o.view != "slab")
+    return invalid("--slab-mode", "A mode needs a slab: give its thickness with --slab MM.");
+  if (o.slab_mm || !o.slabMode.empty())
+    p.slab = Slab{o.slab_mm.value_or(kPresetSlab_mm), o.slabMode == "min"    ? SlabMode::Min
+                                                      : o.slabMode == "mean" ? SlabMode::Mean
+                                                                             : SlabMode::Max};
   if (!o.window.empty()) {
     const Result<VoiWindow> w = parseWindow(o.window);
     if (!w) return w.error();
@@ -237,6 +261,7 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
     return {};
   };
   if (o.view == "stack" && !session.isMetaImage()) {
+    if (const Result<void> r = nothingForStacks(o); !r) return r.error();
     const Result<std::int64_t> count = session.imageCount("");
     if (!count) return count.error();
     const std::int64_t index = o.slice.value_or(*count / 2);
@@ -270,6 +295,8 @@ Result<RenderRequest> makeRequest(Session& session, const ViewOptions& o, const 
   session.bridgeGaps(o.bridge);
   if (o.view.empty() && o.sceneFile.empty())
     return invalid("--view", "Say what to draw with --view or --scene.");
+  if (!o.sceneFile.empty())
+    if (const Result<void> alone = nothingBesideScene(o); !alone) return alone.error();
   Result<Scene> scene =
       o.sceneFile.empty() ? sceneFromView(session, o, progress, stop) : sceneFromFile(o.sceneFile);
   if (!scene) return scene.error();

@@ -13,7 +13,7 @@ namespace vernier::app {
 struct ViewOptions {
   std::vector<std::string> inputs;
   std::string view, sceneFile, series;
-  std::string size = "512x512", camera, plane, slabMode = "max", window, preset, interpolation = "linear";
+  std::string size = "512x512", camera, plane, slabMode, window, preset, interpolation;  // "" = not given
   std::optional<std::int64_t> slice;
   std::optional<double> slab_mm;
   std::string engine, technique, quality = "review";

@@ -128,6 +128,12 @@ TEST_F(Cli, OptionsThatNeedAStudyAreCheckedToo) {
       {"--view", "oblique", "--plane", "point=0,0,0,normal=0,0,1,up=0,0,2"},
       {"--view", "stack", "--slice", "999"},
       {"--view", "axial", "--preset", "tooth"},
+      {"--view", "axial", "--slab-mode", "min"},  // what would be ignored is refused
+      {"--view", "stack", "--slab", "5"},
+      {"--view", "stack", "--plane", "point=0,0,0,normal=0,0,1,up=0,1,0"},
+      {"--scene", "s.json", "--slice", "3"},
+      {"--scene", "s.json", "--window", "40,400"},
+      {"--view", "axial", "--no-error", "--max-error", "1"},
   };
   for (const auto& extra : wrong) {
     std::vector<std::string> args{"render", study, "--out", path("o.png")};
@@ -214,6 +220,8 @@ TEST_F(Cli, RenderWritesAPictureAReportAndAPlan) {
   EXPECT_EQ(report["error"]["unit"], "level/255");
   EXPECT_LT(report["error"]["max"].get<double>(), 0.05);
   EXPECT_EQ(report["engine"]["name"], "native");
+  EXPECT_FALSE(report["engine"]["simd"].get<std::string>().empty());
+  EXPECT_NE(readFile(path("o.png")).find("levels of 255"), std::string::npos) << "the error as PNG text";
   EXPECT_EQ(report["input"]["dims"].size(), 3u);
   // The scene of the report draws the same picture again.
   std::ofstream(path("scene.json")) << report["scene"].dump();

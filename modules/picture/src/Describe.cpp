@@ -50,6 +50,24 @@ glm::dvec3 stackNormal(const GridGeometry& grid) {
   return glm::normalize(glm::cross(m[0], m[1]));
 }
 
+// How far slices of an uneven stack lie off the straight even line, 0 for stacks that are on it (or only have
+// gaps).
+double offLine_mm(const GridGeometry& grid) {
+  double e_mm = 0;
+  double missing = 0;  // steps that gaps have added so far
+  for (std::size_t s = 0; s < grid.sliceOrigin_vox.size(); ++s) {
+    const auto slice = static_cast<std::int64_t>(s);
+    if (s > 0 && std::binary_search(grid.gapAfter.begin(), grid.gapAfter.end(), slice - 1))
+      missing += grid.sliceOrigin_vox[s].z - grid.sliceOrigin_vox[s - 1].z - 1;
+    const glm::dvec3 off = grid.sliceOrigin_vox[s] - glm::dvec3(0, 0, static_cast<double>(s) + missing);
+    e_mm = std::max(e_mm, glm::length(grid.patientFromVoxel.linear * off));
+  }
+  const glm::dvec3 spacing_mm =
+      grid.spacing_mm();  // the limits of docs/studies.md: below them it is harmless
+  const double harmless_mm = std::min(0.02 * spacing_mm.z, 0.25 * std::min(spacing_mm.x, spacing_mm.y));
+  return e_mm > harmless_mm ? e_mm : 0;
+}
+
 // What of the acquisition changes what is seen.
 void describeStack(const VolumeInfo& info, const SliceLayer& layer, const SlicePicture& picture,
                    Annotations& out) {
@@ -71,13 +89,16 @@ void describeStack(const VolumeInfo& info, const SliceLayer& layer, const SliceP
   if (info.bridged) out.what.push_back(plain("bridged"));
   const double tilt_deg =
       std::acos(std::min(1.0, std::abs(glm::dot(normal, along)))) * 180 / std::numbers::pi;
-  if (tilt_deg >= 0.1)
-    out.what.push_back(plain("gantry tilt " + fixedDigits(tilt_deg, 1) + " deg",
-                             "tilt " + fixedDigits(tilt_deg, 1) + " deg"));
+  if (tilt_deg >= 0.1) {  // only CT has a gantry; MR slabs are sheared by their prescription
+    const std::string tilt = " " + fixedDigits(tilt_deg, 1) + " deg";
+    out.what.push_back(plain((info.modality == "CT" ? "gantry tilt" : "slices sheared") + tilt,
+                             (info.modality == "CT" ? "tilt" : "shear") + tilt));
+  }
   const bool across = std::abs(glm::dot(picture.normal.v, normal)) < 0.9999 || layer.slab.thickness_mm > 0;
   if (across && grid.slices > 1 && grid.spacing_mm().z >= kCoarseStep_mm)
     out.what.push_back(plain("coarse in z"));
-  if (!grid.even() && grid.gapAfter.empty()) out.what.push_back(plain("uneven slices"));
+  if (const double e_mm = offLine_mm(grid); e_mm > 0)
+    out.what.push_back(plain("uneven slices, up to " + fixedDigits(e_mm, 2) + " mm", "uneven slices"));
 }
 
 TextLine windowLine(const VoiWindow& w, const std::string& unit, bool inverted) {
@@ -120,7 +141,8 @@ Annotations describeImage(const ImageLayer& layer, const ImagePicture& picture, 
                           const VoiWindow& window) {
   Annotations out;
   if (!says(info.findings, "quadruped")) out.letters = edgeLetters(layer, info);
-  out.flipped = layer.flipHorizontal || layer.flipVertical;
+  // Both together turn the picture by 180 degrees: no mirror image. The letters follow in any case.
+  out.flipped = layer.flipHorizontal != layer.flipVertical;
   out.mmPerPixel = picture.mmPerPixel;
   out.what.push_back(plain(std::to_string(info.index + 1) + "/" + std::to_string(info.count)));
   if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));

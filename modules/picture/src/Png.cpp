@@ -20,6 +20,8 @@ struct Writer {
   png_structp png = nullptr;
   png_infop info = nullptr;
   std::vector<std::byte> out;
+  std::vector<PngText> said;
+  std::vector<png_text> texts;  // pointing into said
   ~Writer() { png_destroy_write_struct(&png, &info); }
 };
 struct Reader {
@@ -65,6 +67,7 @@ bool encode(Writer& w, const Picture& picture) {
                picture.channels == 4 ? PNG_COLOR_TYPE_RGBA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_compression_level(w.png, 6);
+  if (!w.texts.empty()) png_set_text(w.png, w.info, w.texts.data(), static_cast<int>(w.texts.size()));
   png_write_info(w.png, w.info);
   for (int y = 0; y < picture.height; ++y) png_write_row(w.png, picture.at(0, y));
   png_write_end(w.png, nullptr);
@@ -107,7 +110,7 @@ void pointAtRows(Picture& picture, std::vector<png_bytep>& rows) {
 
 }  // namespace
 
-Result<std::vector<std::byte>> encodePng(const Picture& picture) {
+Result<std::vector<std::byte>> encodePng(const Picture& picture, const std::vector<PngText>& texts) {
   const std::uint64_t pixels = static_cast<std::uint64_t>(std::max(picture.width, 0)) *
                                static_cast<std::uint64_t>(std::max(picture.height, 0));
   if (picture.width < 1 || picture.height < 1 || picture.width > kMaxPictureSide ||
@@ -118,6 +121,15 @@ Result<std::vector<std::byte>> encodePng(const Picture& picture) {
                                                  std::to_string(picture.height) +
                                                  " pixels cannot be stored as PNG.");
   Writer w;
+  w.said = texts;
+  for (PngText& t : w.said) {
+    png_text text{};
+    text.compression = PNG_TEXT_COMPRESSION_NONE;
+    text.key = t.keyword.data();
+    text.text = t.text.data();
+    text.text_length = t.text.size();
+    w.texts.push_back(text);
+  }
   w.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, fail, silent);
   if (w.png) w.info = png_create_info_struct(w.png);
   if (!w.png || !w.info || !encode(w, picture))
@@ -125,8 +137,8 @@ Result<std::vector<std::byte>> encodePng(const Picture& picture) {
   return std::move(w.out);
 }
 
-Result<void> writePng(const std::string& path, const Picture& picture) {
-  const Result<std::vector<std::byte>> bytes = encodePng(picture);
+Result<void> writePng(const std::string& path, const Picture& picture, const std::vector<PngText>& texts) {
+  const Result<std::vector<std::byte>> bytes = encodePng(picture, texts);
   if (!bytes) return makeError(bytes.error().code, bytes.error().sentence, path);
   return writeFileWhole(path, *bytes);
 }

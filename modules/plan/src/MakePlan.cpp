@@ -128,7 +128,9 @@ class Planner {
     const auto fits = [&](const Candidate& c) { return c.error <= goal_; };
     const bool anyFits = std::any_of(candidates.begin(), candidates.end(), fits);
     const auto better = [&](const Candidate& a, const Candidate& b) {
+      if (rateFirst() && inTime(a) != inTime(b)) return inTime(a);
       if (fits(a) != fits(b)) return fits(a);
+      if (inTime(a) != inTime(b)) return inTime(a);
       if (!anyFits && a.error != b.error) return a.error < b.error;
       if (nativeFirst(a) != nativeFirst(b)) return nativeFirst(a);
       return cheaper(a, b);
@@ -138,14 +140,32 @@ class Planner {
       if (&c != &*best) reject(c.technique->name, whyNot(c, *best));
     if (!anyFits)
       plan_.notes.push_back(layerName(index, kind) + ": no technique is predicted to stay within " +
-                            rounded(goal_, 3) + " levels; the most exact one is taken");
+                            rounded(goal_, 3) + " levels; the most exact one" +
+                            (context_.quality.minFps && rateFirst() ? " at the frame rate" : "") +
+                            " is taken");
+    else if (!fits(*best))
+      plan_.notes.push_back(layerName(index, kind) + ": predicted error " + rounded(best->error, 2) +
+                            " levels, " + rounded(goal_, 3) +
+                            " wanted, for the frame rate that was asked for");
     plan_.passes.insert(plan_.passes.end(), std::make_move_iterator(best->passes.begin()),
                         std::make_move_iterator(best->passes.end()));
+  }
+
+  bool inTime(const Candidate& c) const {
+    return !context_.quality.minFps || c.ms * *context_.quality.minFps <= 1000;
+  }
+  // A frame rate that was asked for goes before the goal that a quality level brings along, but not before an
+  // error that was asked for too, nor before `reference`.
+  bool rateFirst() const {
+    return !context_.quality.maxError && context_.quality.level != QualityLevel::Reference;
   }
 
   std::string whyNot(const Candidate& c, const Candidate& best) const {
     if (c.error > goal_)
       return "predicted error " + rounded(c.error, 2) + " levels, " + rounded(goal_, 3) + " asked for";
+    if (!inTime(c) && inTime(best))
+      return "predicted " + rounded(c.ms, 3) + " ms, too slow for the " +
+             rounded(*context_.quality.minFps, 3) + " frames per second asked for";
     if (best.technique->engine == Engine::Native && c.technique->engine == Engine::Gl &&
         context_.capabilities.glIsSoftware && c.ms <= best.ms)
       return "without a card native goes first";

@@ -145,7 +145,7 @@ Result<Scene> presetScene(const std::string& viewName, const std::string& source
                        "The view '" + viewName + "' has no slice numbers; give it a plane.", "slice");
     layer.plane = obliquePlane(grid);
     if (!scene.camera.height_mm) scene.camera.height_mm = longestEdge_mm(grid);
-    if (viewName == "slab") layer.slab = Slab{10.0, SlabMode::Max};
+    if (viewName == "slab") layer.slab = Slab{kPresetSlab_mm, SlabMode::Max};
   }
   if (options.plane && options.slice)
     return makeError(ErrorCode::OptionInvalid,

@@ -73,8 +73,8 @@ TEST(Describe, CoarseInZOnlyAcrossTheSlices) {
 
 TEST(Describe, GapsTiltAndUnevenSlices) {
   VolumeInfo gap = headOf(4, 5);
-  gap.grid.patientFromVoxel.translation = {0, 0, 18.1};
-  gap.grid.sliceOrigin_vox = {{0, 0, 0}, {0, 0, 2}, {0, 0, 4}, {0, 0, 5}};
+  gap.grid.patientFromVoxel.translation = {0, 0, 23.1};
+  gap.grid.sliceOrigin_vox = {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {0, 0, 4}};
   gap.grid.gapAfter = {1};
   EXPECT_THAT(texts(described(gap, "coronal").what), Contains("slice missing at 28.1..38.1 mm"));
   gap.bridged = true;
@@ -83,12 +83,22 @@ TEST(Describe, GapsTiltAndUnevenSlices) {
 
   VolumeInfo tilted = headOf(28, 1);
   tilted.grid.patientFromVoxel.linear[2] = {0, std::tan(14 * 3.14159265358979 / 180), 1};
+  tilted.modality = "CT";
   EXPECT_THAT(texts(described(tilted, "coronal").what), Contains("gantry tilt 14.0 deg"));
+  tilted.modality = "MR";
+  EXPECT_THAT(texts(described(tilted, "coronal").what), Contains("slices sheared 14.0 deg"));
   EXPECT_THAT(texts(described(headOf(28, 1), "coronal").what), ElementsAre("MPR coronal 33/64"));
 
   VolumeInfo uneven = headOf(3, 1);
   uneven.grid.sliceOrigin_vox = {{0, 0, 0}, {0, 0, 1.2}, {0, 0, 2}};
-  EXPECT_THAT(texts(described(uneven, "coronal").what), Contains("uneven slices"));
+  EXPECT_THAT(texts(described(uneven, "coronal").what), Contains("uneven slices, up to 0.20 mm"));
+  uneven.grid.sliceOrigin_vox[1] = {0, 0, 1.01};
+  EXPECT_THAT(texts(described(uneven, "coronal").what), ElementsAre("MPR coronal 33/64")) << "harmless";
+
+  gap.bridged = false;
+  EXPECT_EQ(texts(described(gap, "axial").what).size(), 2u) << "a gap alone is not uneven";
+  gap.grid.sliceOrigin_vox[3].z += 0.2;
+  EXPECT_THAT(texts(described(gap, "axial").what), Contains("uneven slices, up to 1.00 mm"));
 }
 
 TEST(Describe, ImageFrames) {
@@ -110,6 +120,10 @@ TEST(Describe, ImageFrames) {
   EXPECT_TRUE(a.flipped);
   EXPECT_EQ(a.letters, (EdgeLetters{"R", "L", "P", "A"}));
   EXPECT_EQ(a.status[0].text, "LUT BONE");
+  layer.flipHorizontal = true;
+  a = describeImage(layer, imagePicture(layer, {}, {64, 64, false}, info), info, window);
+  EXPECT_FALSE(a.flipped) << "turned by 180 degrees, not mirrored";
+  EXPECT_EQ(a.letters, (EdgeLetters{"L", "R", "P", "A"}));
   info.unscaled = true;
   EXPECT_EQ(describeImage(layer, {}, info, window).what[1].text, "unscaled: stored values");
 }

@@ -64,6 +64,16 @@ TEST(Png, SameBytesEachTimeAndNothingButPixels) {
   EXPECT_EQ(chunks, (std::set<std::string>{"IHDR", "IDAT", "IEND"}));
 }
 
+TEST(Png, TextIsStoredAsGivenAndThePixelsStay) {
+  const Picture p = noise(9, 5, 3);
+  const std::string said = "99 % within 0.31 levels of 255";
+  const auto bytes = encodePng(p, {{"Software", "vernier"}, {"Error", said}});
+  ASSERT_TRUE(bytes.ok());
+  const std::string file(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  EXPECT_NE(file.find("tEXtError" + std::string(1, '\0') + said), std::string::npos);
+  EXPECT_EQ(*decodePng(*bytes), p);
+}
+
 TEST(Png, RefusesWhatItCannotStore) {
   EXPECT_FALSE(encodePng(Picture()).ok());
   Picture p(4, 4);

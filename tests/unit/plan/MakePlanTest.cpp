@@ -313,6 +313,30 @@ TEST(MakePlan, FrameRateThatIsOutOfReachIsSaid) {
   EXPECT_TRUE(planned(oneSlice(), q, card(), registryOf({kStrips}))->notes.empty());
 }
 
+TEST(MakePlan, AFrameRateRejectsWhatIsTooSlow) {
+  const Fake exact{"mpr.exact", Engine::Native, 40, 0.01}, quick{"mpr.quick", Engine::Native, 4, 3.0};
+  Quality q;
+  EXPECT_EQ(chosen(q, noGl(), {exact, quick}), "mpr.exact") << "the goal of review";
+  q.minFps = 50;
+  EXPECT_EQ(chosen(q, noGl(), {exact, quick}), "mpr.quick");
+  const auto plan = planned(oneSlice(), q, noGl(), registryOf({exact, quick}));
+  EXPECT_THAT(whyRejected(*plan, "mpr.exact"), HasSubstr("40 ms, too slow for the 50 frames per second"));
+  ASSERT_EQ(plan->notes.size(), 1u);
+  EXPECT_THAT(plan->notes[0], HasSubstr("predicted error 3 levels, 2 wanted"));
+  q.minFps = 20;
+  EXPECT_EQ(chosen(q, noGl(), {exact, quick}), "mpr.exact") << "fast enough";
+  q.minFps = 50;
+  q.maxError = 1;
+  EXPECT_EQ(chosen(q, noGl(), {exact, quick}), "mpr.exact") << "an error that was asked for goes before";
+  q.maxError.reset();
+  q.level = QualityLevel::Reference;
+  EXPECT_EQ(chosen(q, noGl(), {exact, quick}), "mpr.exact");
+  q.level = QualityLevel::Review;
+  EXPECT_EQ(chosen(q, card(), {{"mpr.native", Engine::Native, 40, 0.01}, kStrips}), "mpr.strips");
+  EXPECT_EQ(chosen(q, software(), {{"mpr.native", Engine::Native, 40, 0.01}, kStrips}), "mpr.strips")
+      << "native goes first only where it is fast enough";
+}
+
 TEST(MakePlan, PureAndTiesGoToTheFirst) {
   Fake twin = kNative;
   twin.name = "mpr.twin";

@@ -5,7 +5,9 @@
 // Choice per layer: of the techniques that draw its kind and accept it, those of the engine and name asked
 // for; of these the cheapest by predicted ms whose predicted error fits the goal (maxError, else 2 levels of
 // 255 at review, 0.5 at reference, none at draft; Reference never takes a technique with fixed-function
-// filtering); without a card native wins where it can show the layer. When none fits the goal, the one with
+// filtering); without a card native wins where it can show the layer. With minFps, techniques whose predicted
+// ms fit the rate go first: before the error goal of a quality level, after a maxError and after Reference's
+// goal; a note says when the rate or the goal is missed. When none fits the goal, the one with
 // the least predicted error is taken and a note says so. Ties: less error, then the one registered first.
 // Every other candidate stands in Plan::rejected with its reason. A layer whose kind nobody draws is kept and
 // named in Plan::notes. Errors: SceneInvalid (no layers, a picture without pixels), NoTechnique (nothing that

@@ -20,6 +20,8 @@
 
 namespace vernier {
 
+inline constexpr double kPresetSlab_mm = 10;  // of the view slab
+
 struct PresetOptions {
   std::optional<std::int64_t>
       slice;  // stack: frame index; axial, coronal, sagittal: voxel slice; absent: the middle

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a Session holds. Private to Session.cpp (what is opened) and SessionRender.cpp (what is drawn).
+#pragma once
+#include <map>
+
+#include "RenderThread.h"
+#include "Session.h"
+#include "vernier/base/Cache.h"
+#include "vernier/gpu/Device.h"
+
+namespace vernier::app {
+
+struct Session::Impl {
+  explicit Impl(const SessionOptions& o)
+      : budget(o.memory_mb > 0 ? o.memory_mb << 20 : MemoryBudget::halfOfFreeBytes()),
+        plugins([this] { return device(); }) {
+    std::vector<std::string> folders{PluginHost::installFolder()};
+    folders.insert(folders.end(), o.pluginFolders.begin(), o.pluginFolders.end());
+    plugins.load(folders);
+  }
+  ~Impl() {
+    renderThread.run([&] { glDevice.reset(); });  // GL objects are freed where they were made
+  }
+
+  Result<gpu::Device*> device() {
+    if (!glDevice) {
+      Result<std::unique_ptr<gpu::Device>> made = gpu::Device::make();
+      if (!made) return made.error();
+      glDevice = std::move(*made);
+    }
+    return glDevice.get();
+  }
+  const Capabilities& look(bool withGl);
+  // The scene with the window of each slice layer that names none: found once per volume, not once per frame.
+  Scene withWindows(Scene, const Sources&);
+  VoiWindow windowOf(const Volume&);
+  Result<void> checkShown(const Scene&, const View&) const;
+  Result<Sources> sourcesFor(Session&, const Scene&, std::stop_token);
+  Result<Plan> planFor(const Scene&, const View&, const Quality&, const Sources&, bool explain);
+  Scene withoutAbsentLayers(Scene) const;
+  Result<Frame> execute(const Plan&, const View&, std::stop_token, Frame reuse);
+
+  static constexpr std::uint64_t kDerivedBytes = std::uint64_t{256} << 20;
+  MemoryBudget budget;
+  DerivedCache derived{kDerivedBytes};
+  StudySet study;
+  std::shared_ptr<const Volume> metaImage;
+  std::optional<StackChoice> chosen;
+  bool bridge = false;
+  std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const Volume>> volumes;
+  std::map<std::tuple<std::size_t, std::size_t, std::int64_t>, std::shared_ptr<const ImageFrame>> images;
+  std::optional<Capabilities> capabilities;
+  bool lookedForGl = false;
+  std::uint64_t derivedBytes = 0;
+  CostTable costs;
+  std::unique_ptr<gpu::Device> glDevice;  // touched on the render thread only
+  PluginHost plugins;
+  RenderThread renderThread;
+};
+
+}  // namespace vernier::app

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Session, second half: capabilities, plans and pictures.
+#include <chrono>
+
+#include "SessionImpl.h"
+#include "vernier/base/Guarded.h"
+#include "vernier/base/Threads.h"
+#include "vernier/base/Trace.h"
+#include "vernier/native/Simd.h"
+
+namespace vernier::app {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double msSince(Clock::time_point t) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - t).count();
+}
+
+}  // namespace
+
+const Capabilities& Session::capabilities(bool withGl) { return impl_->look(withGl); }
+
+const Capabilities& Session::Impl::look(bool withGl) {
+  if (!capabilities) {
+    capabilities.emplace();
+    capabilities->simd = native::simdTarget();
+    capabilities->threads = threads();
+    capabilities->glWhyNot = "OpenGL was not looked for: nothing needed it.";
+  }
+  if (withGl && !lookedForGl) {
+    lookedForGl = true;
+    renderThread.run([&] {
+      if (const Result<gpu::Device*> d = device(); d)
+        gpu::describe((*d)->limits(), *capabilities);
+      else
+        capabilities->glWhyNot = d.error().sentence;
+    });
+  }
+  return *capabilities;
+}
+
+// Without a card native is the faster engine for all that it can draw, and looking for GL costs a context. So
+// GL is looked for only when it was asked for, when the plan is to be explained, or when native alone cannot
+// draw a layer. A layer whose plugin is absent is no reason: GL would not bring it.
+Result<Plan> Session::Impl::planFor(const Scene& scene, const View& view, const Quality& quality,
+                                    const Sources& sources, bool explain) {
+  const Technique* named = plugins.techniques().find(quality.technique);
+  const bool glWanted =
+      explain || quality.engine == EngineChoice::Gl || (named && named->engine == Engine::Gl);
+  const auto make = [&](bool withGl) {
+    return makePlan(scene, view, quality, look(withGl), costs, sources, plugins.techniques());
+  };
+  if (glWanted || quality.engine == EngineChoice::Native) return make(glWanted);
+  Result<Plan> plan = make(false);
+  if (plan || plan.error().code != ErrorCode::NoTechnique) return plan;
+  return make(true);
+}
+
+Result<Sources> Session::Impl::sourcesFor(Session& session, const Scene& scene, std::stop_token stop) {
+  Sources sources;
+  for (const Layer& layer : scene.layers) {
+    if (const auto* slice = std::get_if<SliceLayer>(&layer)) {
+      const auto v = session.volume(slice->source, {}, stop);
+      if (!v) return v.error();
+      sources.volumes[slice->source] = *v;
+    } else if (const auto* image = std::get_if<ImageLayer>(&layer)) {
+      const auto f = session.image(image->source, image->index);
+      if (!f) return f.error();
+      sources.images[{image->source, image->index}] = *f;
+    }
+  }
+  return sources;
+}
+
+Result<Plan> Session::plan(const Scene& scene, const View& view, const Quality& quality, bool explain) {
+  const Result<Sources> sources = impl_->sourcesFor(*this, scene, {});
+  if (!sources) return sources.error();
+  return impl_->planFor(impl_->withWindows(scene, *sources), view, quality, *sources, explain);
+}
+
+Scene Session::Impl::withWindows(Scene scene, const Sources& sources) {
+  for (Layer& layer : scene.layers)
+    if (auto* slice = std::get_if<SliceLayer>(&layer); slice && !slice->window)
+      slice->window = windowOf(*sources.volumes.at(slice->source));
+  return scene;
+}
+
+// The error of a picture is that of what it shows; layers that wait for a plugin are named in the plan's
+// notes.
+Scene Session::Impl::withoutAbsentLayers(Scene scene) const {
+  std::erase_if(scene.layers,
+                [&](const Layer& l) { return plugins.techniques().drawing(kindOf(l)).empty(); });
+  return scene;
+}
+
+Result<Frame> Session::Impl::execute(const Plan& plan, const View& view, std::stop_token stop, Frame reuse) {
+  const TraceSpan span("frame");
+  const auto begin = Clock::now();
+  Frame frame = std::move(reuse);
+  frame.images.counters = {};
+  // Techniques size the images and write every pixel; clearing them first would cost as much as a slice.
+  if (plan.passes.empty()) frame.images.allocate(view.width_px, view.height_px, view.wantValues);
+  Result<void> done;
+  renderThread.run([&] {
+    for (const Pass& pass : plan.passes) {
+      const TraceSpan passSpan("pass");
+      const Technique* technique = plugins.techniques().find(pass.technique);
+      VERNIER_ASSERT(technique != nullptr);  // the planner only names registered techniques
+      done = guarded(pass.name, [&] { return technique->execute(pass, frame.images, stop); });
+      if (!done) return;
+      ++frame.images.counters.passes;
+    }
+    derivedBytes = derived.bytes() + (glDevice ? glDevice->cache().bytes() : 0);
+  });
+  if (!done) return done.error();
+  if (!plan.passes.empty()) {
+    frame.technique = plan.passes.front().technique;
+    frame.engine = plan.passes.front().engine == Engine::Native ? "native" : "gl";
+  }
+  frame.renderer = frame.engine == "gl" ? capabilities->glRenderer : capabilities->simd;
+  frame.render_ms = msSince(begin);
+  return frame;
+}
+
+namespace {
+
+// A draft is a time target: one picture, whatever its error. The others halve the step until they meet the
+// goal.
+quality::LadderOptions ladderOf(const Quality& asked, const RenderOptions& options) {
+  quality::LadderOptions ladder;
+  ladder.firstStep = asked.step;
+  ladder.limit_ms = options.timeLimit_ms.value_or(asked.level == QualityLevel::Reference ? 60'000.0 : 5'000.0);
+  if (asked.level == QualityLevel::Draft) ladder.leastStep = asked.step;
+  Quality level = asked;
+  level.maxError = options.goal;
+  ladder.goal = errorGoal(level);
+  return ladder;
+}
+
+}  // namespace
+
+Result<void> Session::Impl::checkShown(const Scene& scene, const View& view) const {
+  if (view.width_px < 1 || view.height_px < 1 || view.width_px > 16384 || view.height_px > 16384)
+    return makeError(ErrorCode::OptionInvalid, "A picture is 1 to 16384 pixels wide and high.", "--size");
+  if (!scene.layers.empty() && withoutAbsentLayers(scene).layers.empty())
+    return makeError(ErrorCode::PluginMissing,
+                     "Nothing of the scene can be shown: " + kindOf(scene.layers[0]) + " needs plugin " +
+                         pluginOf(kindOf(scene.layers[0])) +
+                         ", which is not loaded; `vernier plugins` says why.");
+  return {};
+}
+
+Result<Rendered> Session::render(const Scene& scene, const View& view, const Quality& asked,
+                                 const RenderOptions& options, std::stop_token stop, Frame reuse) {
+  if (const Result<void> r = impl_->checkShown(scene, view); !r) return r.error();
+  const auto begin = Clock::now();
+  const Result<Sources> sources = impl_->sourcesFor(*this, scene, stop);
+  if (!sources) return sources.error();
+  const Scene drawn = impl_->withWindows(scene, *sources);
+  const double prepare_ms = msSince(begin);
+
+  Rendered out;
+  const auto planAt = [&](double step) -> Result<void> {
+    Quality quality = asked;
+    quality.step = out.step = step;
+    Result<Plan> plan = impl_->planFor(drawn, view, quality, *sources, options.explain);
+    if (!plan) return plan.error();
+    out.plan = std::move(*plan);
+    return {};
+  };
+  const quality::RenderAtStep draw = [&](double step) -> Result<Frame> {
+    if (const Result<void> planned = planAt(step); !planned) return planned.error();
+    Result<Frame> frame = impl_->execute(out.plan, view, stop, std::move(reuse));
+    if (frame) frame->prepare_ms = prepare_ms;
+    return frame;
+  };
+  if (!options.measure) {
+    Result<Frame> frame = draw(asked.step);
+    if (!frame) return frame.error();
+    out.frame = std::move(*frame);
+    return out;
+  }
+  const Scene shown = impl_->withoutAbsentLayers(drawn);
+  const quality::MeasureFrame measure = [&](const Frame& frame, double step) {
+    quality::ErrorOptions error = options.error;
+    error.reference.step = step;
+    return quality::measureError(frame, shown, view, *sources, error, stop);
+  };
+  Result<quality::LadderResult> reached = quality::climb(draw, measure, ladderOf(asked, options), stop);
+  if (!reached) return reached.error();
+  if (out.step != reached->reached.step)  // the plan that belongs to the picture that is kept
+    if (const Result<void> planned = planAt(reached->reached.step); !planned) return planned.error();
+  out.frame = std::move(reached->frame);
+  out.error = std::move(reached->reached.error);
+  out.goalReached = reached->goalReached;
+  out.goalNote = std::move(reached->said);
+  out.rungs = std::move(reached->rungs);
+  return out;
+}
+
+}  // namespace vernier::app
