@@ -2,6 +2,7 @@
 #include "vernier/quality/Ladder.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -11,7 +12,12 @@ namespace {
 // Without a bound (too few samples) the largest difference seen is what there is.
 double figure(const ErrorReport& e) { return e.bound.value_or(e.max); }
 
+// To two digits, upwards: what is said must hold.
 std::string notReached(double levels) {
+  if (levels > 0 && std::isfinite(levels)) {
+    const double unit = std::pow(10.0, std::floor(std::log10(levels)) - 1);
+    levels = std::ceil(levels / unit - 1e-9) * unit;
+  }
   char text[48];
   std::snprintf(text, sizeof text, "goal not reached: %.2g", levels);
   return text;
