@@ -36,7 +36,7 @@ def slices(args, volume, view, peer_case, extra):
     ours, theirs, error = [], [], None
     for _ in range(args.pairs):
         a = last_json(run(args.vernier, "bench", volume, "--view", view, "--size", "512x512", "--engine", "native",
-                          "--window", "500,1400", "--frames", args.frames, *extra))
+                          "--window", "500,1400", "--quality", "draft", "--frames", args.frames, *extra))
         b = last_json(run(args.peer / "vtk_peers", "--volume", volume, "--case", peer_case, "--frames", args.frames,
                           "--out", args.work))
         ours.append(a["median_ms"])
