@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // vernier bench: times whole frames (plan, draw, 8-bit picture) while the view moves, and measures the error
 // of one of them. One JSON line per run, so that runs can be collected and compared as ratios.
-#include <chrono>
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "Clock.h"
 #include "Report.h"
 #include "vernier/base/Units.h"
 #include "vernier/picture/Quantise.h"
 
 namespace vernier::app {
 namespace {
-using Clock = std::chrono::steady_clock;
-double msSince(Clock::time_point t) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - t).count();
-}
 
 struct Options {
   ViewOptions view;
@@ -86,6 +82,7 @@ int run(const GlobalOptions& global, const Options& o) {
   std::vector<double> ms;
   double first_ms = 0;
   Frame buffers;
+  Picture picture;
   Counters counters;
   for (int i = 0; i <= frames; ++i) {
     const auto begin = Clock::now();
@@ -93,7 +90,7 @@ int run(const GlobalOptions& global, const Options& o) {
     Result<Rendered> r =
         session->render(request->scene, request->view, timed, noMeasuring, stop, std::move(buffers));
     if (!r) return report(r.error());
-    const Picture picture = quantise(r->frame.images);
+    picture = quantise(r->frame.images, std::move(picture));
     (i == 0 ? first_ms : ms.emplace_back()) = msSince(begin);
     counters = r->frame.images.counters;
     buffers = std::move(r->frame);

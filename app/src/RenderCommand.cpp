@@ -2,11 +2,11 @@
 // vernier render: one picture as PNG, its report, its plan.
 #include <openssl/sha.h>
 
-#include <chrono>
 #include <filesystem>
 #include <iostream>
 
 #include "Annotations.h"
+#include "Clock.h"
 #include "Report.h"
 #include "vernier/picture/Png.h"
 #include "vernier/picture/Quantise.h"
@@ -14,10 +14,6 @@
 
 namespace vernier::app {
 namespace {
-using Clock = std::chrono::steady_clock;
-double msSince(Clock::time_point t) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - t).count();
-}
 
 struct Options {
   ViewOptions view;

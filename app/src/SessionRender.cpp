@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Session, second half: capabilities, plans and pictures.
-#include <chrono>
 
 #include "SessionImpl.h"
+#include "Clock.h"
 #include "vernier/base/Guarded.h"
 #include "vernier/base/Threads.h"
 #include "vernier/base/Trace.h"
@@ -11,10 +11,6 @@
 namespace vernier::app {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-double msSince(Clock::time_point t) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - t).count();
-}
 
 }  // namespace
 

@@ -23,29 +23,29 @@ std::uint64_t MemoryBudget::halfOfFreeBytes() {
 }
 
 Result<MemoryBudget::Reservation> MemoryBudget::reserve(std::uint64_t bytes, const std::string& what) {
-  std::uint64_t used = used_.load();
+  std::uint64_t used = used_->load();
   do {
     if (bytes > limit_ || used > limit_ - bytes)
       return makeError(ErrorCode::OutOfMemory,
                        what + " needs " + std::to_string(bytes >> 20) + " MiB, but " + std::to_string(used >> 20) +
                            " of the " + std::to_string(limit_ >> 20) +
                            " MiB budget are in use; close a study or raise VERNIER_MEMORY_MB.");
-  } while (!used_.compare_exchange_weak(used, used + bytes));
+  } while (!used_->compare_exchange_weak(used, used + bytes));
   Reservation r;
-  r.owner_ = this;
+  r.used_ = used_;
   r.bytes_ = bytes;
   return r;
 }
 
 MemoryBudget::Reservation::Reservation(Reservation&& o) noexcept
-    : owner_(std::exchange(o.owner_, nullptr)), bytes_(std::exchange(o.bytes_, 0)) {}
+    : used_(std::move(o.used_)), bytes_(std::exchange(o.bytes_, 0)) {}
 MemoryBudget::Reservation& MemoryBudget::Reservation::operator=(Reservation&& o) noexcept {
-  std::swap(owner_, o.owner_);
+  std::swap(used_, o.used_);
   std::swap(bytes_, o.bytes_);
   return *this;
 }
 MemoryBudget::Reservation::~Reservation() {
-  if (owner_) owner_->used_ -= bytes_;
+  if (used_) *used_ -= bytes_;
 }
 
 DerivedCache::DerivedCache(std::uint64_t limit_bytes) : limit_(limit_bytes) {}

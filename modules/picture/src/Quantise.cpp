@@ -2,6 +2,7 @@
 #include "vernier/picture/Quantise.h"
 
 #include <algorithm>
+#include <utility>
 #include <cstdint>
 
 #include "vernier/base/Threads.h"
@@ -44,8 +45,9 @@ void quantiseRun(const float* in, std::size_t n, std::uint8_t* to) {
 
 }  // namespace
 
-Picture quantise(const Images& images) {
-  Picture out;
+Picture quantise(const Images& images, Picture reuse) {
+  Picture out = std::move(reuse);
+  out.channels = 3;
   out.width = images.width;
   out.height = images.height;
   const std::size_t n = images.colour.size() / 4;

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 #include "TestData.h"
 #include "vernier/base/Budget.h"
@@ -27,6 +28,16 @@ TEST(MemoryBudget, RefusesWithNumbersAndReleases) {
   EXPECT_EQ(budget.used(), 0u);
   EXPECT_FALSE(budget.reserve(~0ull, "Everything").ok());
   EXPECT_GT(MemoryBudget::halfOfFreeBytes(), 0u);
+}
+
+TEST(MemoryBudget, AReservationMayOutliveItsBudget) {
+  std::optional<MemoryBudget> budget(std::in_place, 100);
+  auto kept = budget->reserve(60, "A volume");
+  ASSERT_TRUE(kept.ok());
+  MemoryBudget::Reservation moved = std::move(*kept);
+  EXPECT_EQ(budget->used(), 60u);
+  budget.reset();
+  EXPECT_EQ(moved.bytes(), 60u);  // its end, after the budget's, is what the sanitizers watch
 }
 
 TEST(DerivedCache, KeepsUntilTheLimitAndDropsTheOldest) {

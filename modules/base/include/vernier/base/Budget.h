@@ -27,18 +27,18 @@ class VERNIER_API MemoryBudget {
 
    private:
     friend class MemoryBudget;
-    MemoryBudget* owner_ = nullptr;
+    std::shared_ptr<std::atomic<std::uint64_t>> used_;  // outlives the budget while anything is reserved
     std::uint64_t bytes_ = 0;
   };
 
-  // OutOfMemory with the numbers (asked, used, limit) when it does not fit. The budget outlives its reservations.
+  // OutOfMemory with the numbers (asked, used, limit) when it does not fit. A reservation may outlive its budget.
   Result<Reservation> reserve(std::uint64_t bytes, const std::string& what);
-  std::uint64_t used() const { return used_.load(); }
+  std::uint64_t used() const { return used_->load(); }
   std::uint64_t limit() const { return limit_; }
 
  private:
   std::uint64_t limit_;
-  std::atomic<std::uint64_t> used_{0};
+  std::shared_ptr<std::atomic<std::uint64_t>> used_ = std::make_shared<std::atomic<std::uint64_t>>(0);
 };
 
 }  // namespace vernier

@@ -20,6 +20,7 @@ inline std::uint8_t quantise(float x) {
   return static_cast<std::uint8_t>(std::floor(255.0 * clamped + 0.5));
 }
 
-VERNIER_API Picture quantise(const Images&);
+// `reuse` gives its memory to the result.
+VERNIER_API Picture quantise(const Images&, Picture reuse = {});
 
 }  // namespace vernier
