@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where tests find the real data. A test that wants it begins with VERNIER_NEEDS_DATA("folder"): without the folder it
-// says so and passes, since the data is not part of this repository.
+// Where tests find the real data. A test that wants it begins with VERNIER_NEEDS_DATA("folder"): without the
+// folder it says so and passes, since the data is not part of this repository.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <iostream>
 #include <string>
+
+#include "TestPaths.h"
 
 namespace vernier::test {
 
@@ -37,8 +39,8 @@ class TempDir {
 
 }  // namespace vernier::test
 
-#define VERNIER_NEEDS_DATA(folder)                                                                       \
-  if (!std::filesystem::exists(vernier::test::dataDir() / (folder))) {                                   \
+#define VERNIER_NEEDS_DATA(folder)                                                                  \
+  if (!std::filesystem::exists(vernier::test::dataDir() / (folder))) {                              \
     std::cout << "[  NOTE    ] shared data folder '" << (folder) << "' is not here: not checked\n"; \
-    return;                                                                                              \
+    return;                                                                                         \
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "PluginHost.h"
+#include "TestPaths.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

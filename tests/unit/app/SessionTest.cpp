@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "Session.h"
+#include "TestPaths.h"
 
 #include <gtest/gtest.h>
 
@@ -79,8 +80,8 @@ TEST_F(SessionTest, AnAxialNativeSliceIsOnePassAndLooksForNoGl) {
   EXPECT_NE(s.capabilities(false).glWhyNot.find("nothing needed it"), std::string::npos);
 }
 
-// NUMERICS C1: at voxel centres an axial preset shows the stored values themselves, whatever the rounding of spacings
-// and positions; with a gap too, which the general kernel draws.
+// NUMERICS C1: at voxel centres an axial preset shows the stored values themselves, whatever the rounding of
+// spacings and positions; with a gap too, which the general kernel draws.
 TEST_F(SessionTest, AnAxialPresetAtVoxelCentresShowsTheStoredValues) {
   for (const bool gap : {false, true}) {
     const fs::path folder = dir_.path() / (gap ? "gap" : "odd");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every error code has a test that provokes it: its name stands in an assertion of some test. The sources of the tests
-// are searched, so a code without a test fails here by name.
+// Every error code has a test that provokes it: its name stands in an assertion of some test. The sources of
+// the tests are searched, so a code without a test fails here by name.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include <map>
 #include <sstream>
 
+#include "TestPaths.h"
 #include "vernier/base/Result.h"
 
 namespace vernier {

@@ -12,6 +12,7 @@
 
 #include "Files.h"
 #include "TestData.h"
+#include "TestPaths.h"
 #include "vernier/base/Threads.h"
 
 namespace vernier::test {

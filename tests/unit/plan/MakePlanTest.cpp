@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The planner with fake techniques: what it takes, what it leaves, and what it says about it. The dumps under
 // tests/plan are goldens; to accept a changed one, copy the text that the failing test wrote.
+#include "TestPaths.h"
 #include "vernier/plan/MakePlan.h"
 
 #include <gmock/gmock.h>
