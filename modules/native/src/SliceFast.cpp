@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The SIMD kernel, compiled once per instruction set. A block is 16 pixels of a row; its samples along a
-// slab's normal are split into those at which the whole block lies between voxel centres (no tests at all)
-// and the others, which are clamped and masked lane by lane.
+// The SIMD kernel, compiled once per instruction set: gathers the samples of a block and displays them. A
+// block is 16 pixels of a row; its samples along a slab's normal are split into those at which the whole
+// block lies between voxel centres (no tests at all) and the others, which are clamped and masked lane by
+// lane.
 #include "SliceFast.h"
 
 #include <algorithm>
@@ -16,180 +17,11 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include "SliceFastRead-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace vernier::native {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using D = hn::CappedTag<float, kBlock_px>;
-using DI = hn::RebindToSigned<D>;
-using V = hn::VFromD<D>;
-using VI = hn::VFromD<DI>;
-using M = hn::MFromD<D>;
-
-constexpr std::int64_t kHalfVoxel = std::int64_t{1} << (kLaneBits - 1);
-constexpr std::int64_t kOneVoxel = std::int64_t{1} << kLaneBits;
-constexpr int kDrop = kFineBits - kLaneBits;
-// A few units of 2^-24 for rounding: where it is that close to a face, each lane is tested.
-constexpr std::int64_t kMargin = std::int64_t{4} << kDrop;
-
-// Where a block stands at one sample: the voxel of its first pixel and the fractions there.
-struct Base {
-  std::int64_t whole[3];
-  std::int32_t part[3];  // 2^-24
-};
-
-HWY_INLINE Base BaseAt(const std::int64_t (&fine)[3]) {
-  Base b;
-  for (int a = 0; a < 3; ++a) {
-    const std::int64_t q = (fine[a] + (std::int64_t{1} << (kDrop - 1))) >> kDrop;
-    b.whole[a] = q >> kLaneBits;
-    b.part[a] = static_cast<std::int32_t>(q & (kOneVoxel - 1));
-  }
-  return b;
-}
-
-HWY_INLINE const std::uint8_t* AddressOf(const FastSlice& s, const Base& b) {
-  const std::int64_t offset = b.whole[0] * s.stride[0] + b.whole[1] * s.stride[1] + b.whole[2] * s.stride[2];
-  return reinterpret_cast<const std::uint8_t*>(reinterpret_cast<std::uintptr_t>(s.data) +
-                                               static_cast<std::uintptr_t>(offset));
-}
-
-// Eight corners of each lane: is any, are all of them no-data?
-struct NoData {
-  M any, all;
-};
-
-// Two neighbours along x from one 32-bit read at the first of them.
-template <class T>
-HWY_INLINE void Unpack(VI pair, VI& first, VI& second) {
-  const DI di;
-  if constexpr (std::is_same_v<T, std::uint8_t>) {
-    first = hn::And(pair, hn::Set(di, 0xff));
-    second = hn::And(hn::ShiftRight<8>(pair), hn::Set(di, 0xff));
-  } else if constexpr (std::is_same_v<T, std::uint16_t>) {
-    const hn::RebindToUnsigned<DI> du;
-    first = hn::And(pair, hn::Set(di, 0xffff));
-    second = hn::BitCast(di, hn::ShiftRight<16>(hn::BitCast(du, pair)));
-  } else {
-    first = hn::ShiftRight<16>(hn::ShiftLeft<16>(pair));
-    second = hn::ShiftRight<16>(pair);
-  }
-}
-
-HWY_INLINE M InRange(const FastSlice& s, VI v) {
-  const DI di;
-  return hn::RebindMask(D(),
-                        hn::Not(hn::Or(hn::Lt(v, hn::Set(di, s.noFirst)), hn::Gt(v, hn::Set(di, s.noLast)))));
-}
-HWY_INLINE M InRange(const FastSlice& s, V v) {
-  const D d;
-  return hn::And(hn::Ge(v, hn::Set(d, s.noFirstFloat)), hn::Le(v, hn::Set(d, s.noLastFloat)));
-}
-
-template <class X>
-HWY_INLINE void Tally(const FastSlice& s, X first, X second, NoData& noData) {
-  const M a = InRange(s, first), b = InRange(s, second);
-  noData.any = hn::Or(noData.any, hn::Or(a, b));
-  noData.all = hn::And(noData.all, hn::And(a, b));
-}
-
-template <bool kExactEnd>
-HWY_INLINE V Lerp(V a, V b, V f) {
-  const V v = hn::MulAdd(f, hn::Sub(b, a), a);
-  if constexpr (!kExactEnd) return v;
-  return hn::IfThenElse(hn::Eq(f, hn::Set(D(), 1.0f)), b, v);
-}
-
-// Interpolates along x at one of the four rows of cells. Integers: of w = stored - bias.
-template <class T, bool kRange, bool kClamp>
-HWY_INLINE V AlongX(const FastSlice& s, const std::uint8_t* row, VI offset, V f, NoData& noData) {
-  const D d;
-  const DI di;
-  if constexpr (std::is_same_v<T, float>) {
-    const V a = hn::GatherOffset(d, reinterpret_cast<const float*>(row), offset);
-    const V b = hn::GatherOffset(d, reinterpret_cast<const float*>(row + s.neighbour[0]), offset);
-    if constexpr (kRange) Tally(s, a, b, noData);
-    return Lerp<kClamp>(a, b, f);
-  } else {
-    VI a, b;
-    Unpack<T>(hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(row), offset), a, b);
-    if constexpr (kRange) Tally(s, a, b, noData);
-    // Differences of integers are exact, so nothing is lost before the product.
-    return hn::MulAdd(f, hn::ConvertTo(d, hn::Sub(b, a)), hn::ConvertTo(d, hn::Sub(a, hn::Set(di, s.bias))));
-  }
-}
-
-// One axis: cell index relative to the base's voxel, fraction in it, and, when clamped, which lanes are
-// inside.
-struct Cell {
-  VI index;
-  V fraction;
-};
-
-HWY_INLINE VI Saturated(std::int64_t v) {
-  constexpr std::int64_t low = std::numeric_limits<std::int32_t>::min(),
-                         high = std::numeric_limits<std::int32_t>::max();
-  return hn::Set(DI(), static_cast<std::int32_t>(std::clamp(v, low, high)));
-}
-
-template <bool kLinear, bool kClamp>
-HWY_INLINE Cell CellAlong(const FastSlice& s, const Base& b, int axis, VI lanes, M& inside) {
-  const D d;
-  const DI di;
-  VI p = hn::Add(lanes, hn::Set(di, b.part[axis]));
-  const std::int64_t whole = b.whole[axis], last = s.last[static_cast<std::size_t>(axis)];
-  if constexpr (kClamp) {
-    const VI low = Saturated(-kHalfVoxel - whole * kOneVoxel);
-    const VI high = Saturated((last - whole) * kOneVoxel + kHalfVoxel);
-    inside = hn::And(inside, hn::RebindMask(d, hn::Not(hn::Or(hn::Lt(p, low), hn::Gt(p, high)))));
-    p = hn::Min(hn::Max(p, Saturated(-whole * kOneVoxel)), Saturated((last - whole) * kOneVoxel));
-  }
-  if constexpr (!kLinear)
-    return {hn::ShiftRight<kLaneBits>(hn::Add(p, hn::Set(di, kHalfVoxel))), hn::Zero(d)};
-  VI i = hn::ShiftRight<kLaneBits>(p);
-  // The last cell also ends at its own upper end, so that no voxel beyond is read.
-  if constexpr (kClamp)
-    i = hn::Min(i, hn::Set(di, static_cast<std::int32_t>(std::clamp<std::int64_t>(
-                                   std::max<std::int64_t>(last - 1, 0) - whole, -127, 127))));
-  const VI part = kClamp ? hn::Sub(p, hn::ShiftLeft<kLaneBits>(i)) : hn::And(p, hn::Set(di, kOneVoxel - 1));
-  return {i, hn::Mul(hn::ConvertTo(d, part), hn::Set(d, static_cast<float>(kPositionUnit)))};
-}
-
-// w of one vector of lanes. `inside` (clamped only) loses the lanes that lie outside the volume.
-template <class T, bool kLinear, bool kRange, bool kClamp>
-HWY_INLINE V Read(const FastSlice& s, const Base& b, const VI (&lanes)[3], M& inside, NoData& noData) {
-  const D d;
-  const DI di;
-  const Cell x = CellAlong<kLinear, kClamp>(s, b, 0, lanes[0], inside);
-  const Cell y = CellAlong<kLinear, kClamp>(s, b, 1, lanes[1], inside);
-  const Cell z = CellAlong<kLinear, kClamp>(s, b, 2, lanes[2], inside);
-  const VI offset = hn::Add(hn::ShiftLeft<hwy::CeilLog2(sizeof(T))>(x.index),
-                            hn::Add(hn::Mul(y.index, hn::Set(di, static_cast<std::int32_t>(s.stride[1]))),
-                                    hn::Mul(z.index, hn::Set(di, static_cast<std::int32_t>(s.stride[2])))));
-  const std::uint8_t* const at = AddressOf(s, b);
-  if constexpr (!kLinear) {
-    if constexpr (std::is_same_v<T, float>) {
-      const V v = hn::GatherOffset(d, reinterpret_cast<const float*>(at), offset);
-      if constexpr (kRange) Tally(s, v, v, noData);
-      return v;
-    } else {
-      VI v, unused;
-      Unpack<T>(hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(at), offset), v, unused);
-      if constexpr (kRange) Tally(s, v, v, noData);
-      return hn::ConvertTo(d, hn::Sub(v, hn::Set(di, s.bias)));
-    }
-  } else {
-    constexpr bool kEnd = kClamp && std::is_same_v<T, float>;
-    const std::uint8_t* const up = at + s.neighbour[2];
-    const V a = AlongX<T, kRange, kClamp>(s, at, offset, x.fraction, noData);
-    const V c = AlongX<T, kRange, kClamp>(s, at + s.neighbour[1], offset, x.fraction, noData);
-    const V e = AlongX<T, kRange, kClamp>(s, up, offset, x.fraction, noData);
-    const V g = AlongX<T, kRange, kClamp>(s, up + s.neighbour[1], offset, x.fraction, noData);
-    return Lerp<kEnd>(Lerp<kEnd>(a, c, y.fraction), Lerp<kEnd>(e, g, y.fraction), z.fraction);
-  }
-}
-
 // Maximum, minimum or compensated sum of the samples of a vector of pixels.
 struct Gathered {
   V value, lost, count;
