@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "Annotations.h"
 
+#include <algorithm>
+
 #include "Version.h"
 #include "vernier/picture/Hatch.h"
 #include "vernier/picture/Quantise.h"
@@ -48,6 +50,7 @@ Result<Annotations> annotationsFor(Session& session, const Scene& scene, const V
     a = std::move(**said);
     break;
   }
+  if (showsNothing(r.frame.images)) a.what.push_back({kNoDataHere, "no data", Tone::Amber});
   for (const std::string& note : r.plan.notes) a.what.push_back({note, "", Tone::Amber});
   if (r.error && r.error->bound) {
     TextLine line = errorLine(*r.error->bound, static_cast<int>(100 * r.error->share), limit);
@@ -55,6 +58,11 @@ Result<Annotations> annotationsFor(Session& session, const Scene& scene, const V
     a.status.insert(a.status.begin(), line);
   }
   return a;
+}
+
+bool showsNothing(const Images& images) {
+  return !images.depth.empty() && std::all_of(images.depth.begin(), images.depth.end(),
+                                              [](float depth) { return depth == kNothing_mm; });
 }
 
 std::vector<PngText> pngTexts(const Rendered& r) {

@@ -12,6 +12,10 @@ namespace vernier::app {
 Result<Annotations> annotationsFor(Session&, const Scene&, const View&, const Rendered&,
                                    std::optional<double> limit);
 
+// Not one pixel has data: the plane misses the volume, or all there is padding.
+bool showsNothing(const Images&);
+inline constexpr const char* kNoDataHere = "no data here: move the plane or zoom out";
+
 // What a PNG says of itself beside its pixels: the program, its engine, the measured error. No value of the
 // patient.
 std::vector<PngText> pngTexts(const Rendered&);

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <mutex>
 
 #include "Cli.h"
@@ -23,6 +24,12 @@ int report(const Error& e) {
 }
 
 std::unique_ptr<Session> makeSession(const GlobalOptions& global) {
+  for (const std::string& folder : global.flags.pluginFolders)
+    if (std::error_code ec; !std::filesystem::is_directory(folder, ec)) {
+      (void)report(makeError(ErrorCode::OptionInvalid,
+                             "One of the folders is not there; name those that hold plugins.", "--plugins"));
+      return nullptr;
+    }
   const Result<Settings> settings = readSettings(global.flags);
   if (!settings) {
     (void)report(settings.error());

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "Cli.h"
+#include "OptionChecks.h"
 #include "vernier/picture/Compare.h"
 #include "vernier/picture/Png.h"
 
@@ -17,6 +18,8 @@ struct Options {
 };
 
 int run(const Options& o) {
+  if (const Result<void> r = keepSources(nullptr, {o.a, o.b}, o.heatmap, "--heatmap"); !r)
+    return report(r.error());
   const Result<Picture> a = readPng(o.a);
   if (!a) return report(a.error());
   const Result<Picture> b = readPng(o.b);
@@ -58,7 +61,7 @@ Command addCompare(CLI::App& app, GlobalOptions&) {
   sub->add_option("--heatmap", o->heatmap, "Write the differences as a picture, PNG");
   sub->add_flag("--json", o->json, "JSON on standard output");
   sub->add_option("--max-error", o->maxError, "Exit 4 when any pixel differs by more")
-      ->check(CLI::NonNegativeNumber);
+      ->check(finiteFrom(0, 255));
   sub->footer("Example:\n  vernier compare before.png after.png --heatmap diff.png --max-error 1");
   return {sub, [o] { return run(*o); }};
 }

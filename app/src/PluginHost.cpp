@@ -96,6 +96,8 @@ std::string distrust(const std::string& path) {
   struct stat s {};
   if (::stat(path.c_str(), &s) != 0) return "it cannot be read";
   if (s.st_mode & S_IWOTH) return "other users may write it";
+  // A group of one's own (user private groups) or root's is no stranger.
+  if ((s.st_mode & S_IWGRP) && s.st_gid != 0 && s.st_gid != ::getegid()) return "another group may write it";
   if (s.st_uid != 0 && s.st_uid != ::geteuid()) return "it belongs to another user";
   return {};
 }

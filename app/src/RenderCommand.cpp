@@ -2,11 +2,11 @@
 // vernier render: one picture as PNG, its report, its plan.
 #include <openssl/sha.h>
 
-#include <filesystem>
 #include <iostream>
 
 #include "Annotations.h"
 #include "Clock.h"
+#include "OptionChecks.h"
 #include "Report.h"
 #include "vernier/picture/Png.h"
 #include "vernier/picture/Quantise.h"
@@ -33,20 +33,6 @@ std::string sha256(const std::vector<std::uint8_t>& bytes) {
   return hex;
 }
 
-// No output file may be one of the files that were read.
-Result<void> keepSources(const Session& session, const std::vector<std::string>& inputs,
-                         const std::string& output, const char* option) {
-  std::error_code ec;
-  if (output.empty() || !std::filesystem::exists(output, ec)) return {};
-  const auto same = [&](const std::string& p) { return std::filesystem::equivalent(p, output, ec) && !ec; };
-  bool hit = std::any_of(inputs.begin(), inputs.end(), same);
-  for (const FileRecord& f : session.study().files) hit = hit || same(f.path);
-  if (hit)
-    return makeError(ErrorCode::WouldOverwriteSource,
-                     "The output would overwrite a file of the input; name another.", option);
-  return {};
-}
-
 int run(const GlobalOptions& global, const Options& o) {
   const Result<Settings> settings = readSettings(global.flags);
   if (!settings) return report(settings.error());
@@ -57,7 +43,7 @@ int run(const GlobalOptions& global, const Options& o) {
   if (const Result<void> r = session->open(o.view.inputs, terminalProgress(global), stop); !r)
     return report(r.error());
   for (const auto& [file, option] : {std::pair{o.out, "--out"}, std::pair{o.report, "--report"}})
-    if (const Result<void> r = keepSources(*session, o.view.inputs, file, option); !r)
+    if (const Result<void> r = keepSources(session.get(), o.view.inputs, file, option); !r)
       return report(r.error());
   Result<RenderRequest> request = makeRequest(*session, o.view, *settings, terminalProgress(global), stop);
   if (!request) return report(request.error());
@@ -88,6 +74,7 @@ int run(const GlobalOptions& global, const Options& o) {
     const std::string json = reportJson(in);
     if (const Result<void> r = writeFileWhole(o.report, json); !r) return report(r.error());
   }
+  if (showsNothing(rendered->frame.images)) std::cerr << "vernier: note: " << kNoDataHere << "\n";
   for (const std::string& note : rendered->plan.notes) std::cerr << "vernier: note: " << note << "\n";
   if (o.view.maxError && !rendered->goalReached)
     return report(makeError(ErrorCode::OutOfTolerance,
@@ -105,7 +92,7 @@ Command addRender(CLI::App& app, GlobalOptions& global) {
   sub->add_option("--report", o->report, "What was drawn, how, how long it took and how exact it is, JSON");
   sub->add_flag("--explain", o->explain, "Print the plan: passes, resources, and what was rejected and why");
   sub->add_flag("--no-letters", o->noLetters, "Only the image, without letters, scale and text");
-  sub->add_option("--scale", o->scale, "Size of the letters, 1 to 3")->check(CLI::Range(1.0, 3.0));
+  sub->add_option("--scale", o->scale, "Size of the letters, 1 to 3")->check(finiteFrom(1, 3));
   sub->footer(
       "Examples:\n"
       "  vernier render STUDY --view stack --slice 12 --out slice.png\n"

@@ -38,7 +38,7 @@ struct Rendered {
 struct RenderOptions {
   bool measure = true;  // measure the error of the picture
   quality::ErrorOptions error;
-  std::optional<double> goal;    // levels of 255; absent: the quality level's own (review 2, reference 0.5)
+  std::optional<double> goal;  // levels of 255; absent: the quality level's own (review 2, reference 0.5)
   std::optional<double> timeLimit_ms;  // of the closed loop; absent: 5 s at review, 60 s at reference
   bool explain = false;                // as in plan()
 };

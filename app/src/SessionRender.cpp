@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Session, second half: capabilities, plans and pictures.
-
-#include "SessionImpl.h"
 #include "Clock.h"
+#include "SessionImpl.h"
 #include "vernier/base/Guarded.h"
 #include "vernier/base/Threads.h"
 #include "vernier/base/Trace.h"
 #include "vernier/native/Simd.h"
 
 namespace vernier::app {
-namespace {
-
-
-}  // namespace
 
 const Capabilities& Session::capabilities(bool withGl) { return impl_->look(withGl); }
 
@@ -125,7 +120,8 @@ namespace {
 quality::LadderOptions ladderOf(const Quality& asked, const RenderOptions& options) {
   quality::LadderOptions ladder;
   ladder.firstStep = asked.step;
-  ladder.limit_ms = options.timeLimit_ms.value_or(asked.level == QualityLevel::Reference ? 60'000.0 : 5'000.0);
+  ladder.limit_ms =
+      options.timeLimit_ms.value_or(asked.level == QualityLevel::Reference ? 60'000.0 : 5'000.0);
   if (asked.level == QualityLevel::Draft) ladder.leastStep = asked.step;
   Quality level = asked;
   level.maxError = options.goal;

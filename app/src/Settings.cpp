@@ -11,6 +11,8 @@ namespace vernier::app {
 namespace {
 using nlohmann::json;
 
+constexpr std::uintmax_t kMaxConfigBytes = 1 << 20;
+
 std::string configPath() {
   if (const char* xdg = std::getenv("XDG_CONFIG_HOME"); xdg && *xdg)
     return std::string(xdg) + "/vernier/config.json";
@@ -23,10 +25,14 @@ Result<json> readConfig() {
   const std::string path = configPath();
   std::error_code ec;
   if (path.empty() || !std::filesystem::exists(path, ec)) return json::object();
-  std::ifstream f(path);
-  json j = json::parse(f, nullptr, false);
+  json j = json::value_t::discarded;
+  if (std::filesystem::is_regular_file(path, ec) && std::filesystem::file_size(path, ec) <= kMaxConfigBytes) {
+    std::ifstream f(path);
+    j = json::parse(f, nullptr, false);
+  }
   if (j.is_discarded() || !j.is_object())
-    return makeError(ErrorCode::OptionInvalid, "The settings file is not a JSON object; mend or remove it.",
+    return makeError(ErrorCode::OptionInvalid,
+                     "The settings file is not a JSON object of at most 1 MiB; mend or remove it.",
                      "config.json");
   return j;
 }

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "Annotations.h"
+#include "OptionChecks.h"
 #include "Report.h"
 #include "vernier/picture/ContactSheet.h"
 #include "vernier/picture/Png.h"
@@ -84,6 +85,8 @@ int run(const GlobalOptions& global, const Options& o) {
   const std::stop_token stop = interruptToken();
   if (const Result<void> r = session->open(o.view.inputs, terminalProgress(global), stop); !r)
     return report(r.error());
+  if (const Result<void> r = keepSources(session.get(), o.view.inputs, o.out, "--out"); !r)
+    return report(r.error());
   std::vector<SheetEntry> entries;
   std::optional<Error> last;
   for (const std::string& view : o.views) {
@@ -94,7 +97,7 @@ int run(const GlobalOptions& global, const Options& o) {
       std::cout << "\n";
       entries.push_back(std::move(*entry));
     } else {  // one view that cannot be shown (2-D only, say) does not lose the others
-      (void)report(entry.error());
+      if (!last || last->text() != entry.error().text()) (void)report(entry.error());
       last = entry.error();
     }
   }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ViewOptions.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 
+#include "OptionChecks.h"
 #include "vernier/plan/SceneJson.h"
 #include "vernier/volume/Voi.h"
 
@@ -48,8 +50,11 @@ Result<std::vector<std::pair<std::string, std::vector<std::string>>>> keyed(cons
     else if (!out.empty())
       out.back().second.push_back(part);
     else
-      return invalid(option, "'" + text + "' does not begin with a key such as azimuth=30.");
+      return invalid(option, "'" + text + "' does not begin with KEY=; --help shows the keys.");
   }
+  for (std::size_t i = 0; i < out.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      if (out[k].first == out[i].first) return invalid(option, out[i].first + " is given twice.");
   return out;
 }
 
@@ -172,7 +177,7 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
   sub.add_option("--plane", o.plane, "point=x,y,z,normal=x,y,z,up=x,y,z in patient mm");
   sub.add_option("--slice", o.slice, "Slice, counted from 0 along the view's axis (absent: the middle)");
   sub.add_option("--slab", o.slab_mm, "Slab thickness in mm, centred on the plane")
-      ->check(CLI::Range(0.0, 1e5));
+      ->check(finiteFrom(0, 1e5));
   sub.add_option("--slab-mode", o.slabMode, "max min mean (absent: max)")
       ->check(CLI::IsMember({"max", "min", "mean"}));
   sub.add_option("--interpolation", o.interpolation, "nearest linear (absent: linear)")
@@ -187,12 +192,14 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
       ->capture_default_str();
   sub.add_option("--max-error", o.maxError,
                  "Largest error wanted, in levels of 255; exit 4 when it is not reached")
-      ->check(CLI::PositiveNumber);
-  sub.add_option("--min-fps", o.minFps, "Frames per second wanted")->check(CLI::PositiveNumber);
+      ->check(finiteAboveZero());
+  sub.add_option("--min-fps", o.minFps, "Frames per second wanted")->check(finiteAboveZero());
   sub.add_option("--error-samples", o.errorSamples, "Pixels that the error is measured at")
       ->check(CLI::Range(1, 100'000'000))
       ->capture_default_str();
-  sub.add_option("--seed", o.seed, "Seed of the error's sample")->capture_default_str();
+  sub.add_option("--seed", o.seed, "Seed of the error's sample")
+      ->check(wholeNumber64())
+      ->capture_default_str();
   sub.add_flag("--no-error", o.noError, "Do not measure the error")->excludes("--max-error");
   sub.add_flag("--bridge-gaps", o.bridge, "Interpolate across missing slices; the picture says so");
 }
@@ -217,6 +224,18 @@ Result<void> nothingForStacks(const ViewOptions& o) {
     return invalid("--plane", "The view stack shows stored frames; choose one with --slice.");
   if (o.slab_mm || !o.slabMode.empty())
     return invalid("--slab", "The view stack shows stored frames; use axial, coronal, sagittal or oblique.");
+  return {};
+}
+
+// A slice is turned by its plane; of the camera it has only the zoom.
+Result<void> onlyZoomForFlat(const Scene& scene, const std::string& option) {
+  const bool flat = std::all_of(scene.layers.begin(), scene.layers.end(), [](const Layer& l) {
+    return std::holds_alternative<SliceLayer>(l) || std::holds_alternative<ImageLayer>(l);
+  });
+  Camera zoomed;
+  zoomed.zoom = scene.camera.zoom;
+  if (flat && !(scene.camera == zoomed))
+    return invalid("--camera", "'" + option + "': a slice has only a zoom; turn it with --plane.");
   return {};
 }
 
@@ -276,6 +295,17 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
   return presetScene(o.view, "", **volume, p);
 }
 
+Result<void> knownTechnique(Session& session, const std::string& name) {
+  std::string names;
+  for (const PluginInfo& p : session.plugins())
+    for (const std::string& t : p.techniques) {
+      if (t == name) return {};
+      names += (names.empty() ? "" : ", ") + t;
+    }
+  if (name.empty() || names.empty()) return {};  // without any plugin the plan says what is missing
+  return invalid("--technique", "No technique is called '" + name + "'; there are " + names + ".");
+}
+
 }  // namespace
 
 Result<RenderRequest> makeRequest(Session& session, const ViewOptions& o, const Settings& settings,
@@ -293,6 +323,7 @@ Result<RenderRequest> makeRequest(Session& session, const ViewOptions& o, const 
     return invalid("--series", "A MetaImage file is one volume and has no series.");
   }
   session.bridgeGaps(o.bridge);
+  if (const Result<void> known = knownTechnique(session, o.technique); !known) return known.error();
   if (o.view.empty() && o.sceneFile.empty())
     return invalid("--view", "Say what to draw with --view or --scene.");
   if (!o.sceneFile.empty())
@@ -300,6 +331,8 @@ Result<RenderRequest> makeRequest(Session& session, const ViewOptions& o, const 
   Result<Scene> scene =
       o.sceneFile.empty() ? sceneFromView(session, o, progress, stop) : sceneFromFile(o.sceneFile);
   if (!scene) return scene.error();
+  if (!o.camera.empty())
+    if (const Result<void> flat = onlyZoomForFlat(*scene, o.camera); !flat) return flat.error();
   r.scene = std::move(*scene);
   r.viewName = o.view;
   const std::string engine = o.engine.empty() ? settings.engine : o.engine;

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "Cli.h"
+#include "OptionChecks.h"
 #include "Version.h"
 #include "vernier/base/Guarded.h"
 #include "vernier/base/Trace.h"
@@ -67,14 +68,25 @@ int runCli(int argc, char** argv) {
     if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
     for (const Command& c : notYet)                  // its options are not known yet, so none is wrong
       if (c.app->parsed()) return c.run();
+    if (const std::vector<std::string> rest = app.remaining(); app.get_subcommands().empty() && !rest.empty())
+      return report(makeError(ErrorCode::OptionInvalid,
+                              "There is no such command or option; `vernier --help` lists them.",
+                              rest.front()));
     std::cerr << "vernier: " << e.what() << "; `vernier --help` shows the commands and options.\n";
     return 2;
   }
+  for (const CLI::App* parsed : app.get_subcommands())
+    if (const Result<void> given = noEmptyValues(*parsed); !given) return report(given.error());
+  if (const Result<void> given = noEmptyValues(app); !given) return report(given.error());
   if (!global.traceFile.empty()) traceStart();
   int code = 2;
   commands.insert(commands.end(), notYet.begin(), notYet.end());
   for (const Command& c : commands)
     if (c.app->parsed()) code = c.run();
+  // Output that was lost (a full disk, a closed pipe) must not look like success.
+  if (!(std::cout.flush() && std::fflush(stdout) == 0) && code == 0)
+    code = report(makeError(ErrorCode::WriteFailed,
+                            "Standard output could not be written; nothing of it can be relied on."));
   if (!global.traceFile.empty())
     if (const Result<void> written = traceWrite(global.traceFile); !written) return report(written.error());
   return code;
@@ -86,6 +98,6 @@ int runCli(int argc, char** argv) {
 int main(int argc, char** argv) {
   std::setlocale(LC_ALL, "C");
   const auto code =
-      vernier::guarded("vernier", [&]() -> vernier::Result<int> { return vernier::app::runCli(argc, argv); });
+      vernier::guarded("", [&]() -> vernier::Result<int> { return vernier::app::runCli(argc, argv); });
   return code ? *code : vernier::app::report(code.error());
 }

@@ -177,19 +177,20 @@ Result<Picture> decodePng(std::span<const std::byte> file, const std::string& wh
 
 Result<Picture> readPng(const std::string& path) {
   std::error_code ec;
+  const std::string name = std::filesystem::path(path).filename().string();
   const auto status = std::filesystem::status(path, ec);
   if (!std::filesystem::exists(status))
-    return makeError(ErrorCode::FileNotFound, "There is no such file.", path);
+    return makeError(ErrorCode::FileNotFound, "There is no such file; check the name.", name);
   if (!std::filesystem::is_regular_file(status))
-    return makeError(ErrorCode::NotAFile, "This is not a file; give a PNG picture.", path);
+    return makeError(ErrorCode::NotAFile, "This is not a file; give a PNG picture.", name);
   const std::uintmax_t size = std::filesystem::file_size(path, ec);
   if (ec || size > 4 * kMaxPicturePixels)
-    return makeError(ErrorCode::LimitExceeded, "The file is too large for a picture.", path);
+    return makeError(ErrorCode::LimitExceeded, "The file is too large for a picture.", name);
   std::vector<std::byte> bytes(static_cast<std::size_t>(size));
   std::ifstream in(path, std::ios::binary);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!in) return makeError(ErrorCode::FileNotFound, "The file cannot be read.", path);
-  return decodePng(bytes, path);
+  if (!in) return makeError(ErrorCode::FileNotFound, "The file cannot be read.", name);
+  return decodePng(bytes, name);
 }
 
 }  // namespace vernier

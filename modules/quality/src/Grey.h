@@ -2,7 +2,7 @@
 // Grey 0..1 of a modality value: DICOM PS3.3 C.11.2.1.2, written down here once more so that the reference
 // does not inherit a mistake of the engines.
 #pragma once
-#include "vernier/study/Model.h"
+#include "vernier/volume/Voi.h"
 
 namespace vernier::quality {
 

@@ -2,6 +2,7 @@
 #include "Settings.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -50,6 +51,11 @@ TEST_F(SettingsTest, BadValuesAreNamedWithTheirSource) {
   EXPECT_EQ(readSettings({}).error().where, "config.json");
   config(R"({"engine": "steam"})");
   EXPECT_FALSE(readSettings({}).ok());
+  // A pipe is no settings file, and nobody waits for it.
+  const std::filesystem::path file = dir_.path() / "vernier/config.json";
+  std::filesystem::remove(file);
+  ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
+  EXPECT_EQ(readSettings({}).error().where, "config.json");
 }
 
 TEST_F(SettingsTest, PluginFoldersAreAList) {

@@ -3,6 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
+#include "OptionChecks.h"
+#include "TestData.h"
+
 namespace vernier::app {
 namespace {
 
@@ -29,13 +35,28 @@ TEST(ViewOptions, RefusesWithTheOptionsName) {
   for (const char* bad : {"", "40", "40,0", "40,-5", "40,nan", "40,400,1", "40,4OO"})
     EXPECT_FALSE(parseWindow(bad).ok()) << bad;
   for (const char* bad : {"azimuth", "azimut=3", "zoom=0", "zoom=-1", "fov=180", "projection=isometric",
-                          "zoom=1,2", "zoom=inf"})
+                          "zoom=1,2", "zoom=inf", "zoom=1,zoom=2"})
     EXPECT_FALSE(parseCamera(bad).ok()) << bad;
   for (const char* bad :
        {"", "point=1,2,3", "point=1,2,normal=0,0,1,up=0,1,0", "point=1,2,3,normal=0,0,x,up=0,1,0"})
     EXPECT_FALSE(parsePlane(bad).ok()) << bad;
   EXPECT_EQ(parseWindow("x").error().where, "--window");
   EXPECT_EQ(exitCode(parseSize("0x0").error().code), 2);
+}
+
+TEST(OptionChecks, AnOutputIsNoneOfTheInputs) {
+  const test::TempDir dir;
+  const std::string a = (dir.path() / "a").string(), link = (dir.path() / "link").string();
+  std::ofstream(a) << "a";
+  std::filesystem::create_symlink(a, link);
+  EXPECT_TRUE(keepSources(nullptr, {a}, (dir.path() / "new").string(), "--out").ok());
+  EXPECT_TRUE(keepSources(nullptr, {a}, "", "--out").ok());
+  for (const std::string& output : {a, link, (dir.path() / "." / "a").string()}) {
+    const Result<void> r = keepSources(nullptr, {"not-there", a}, output, "--out");
+    ASSERT_FALSE(r.ok()) << output;
+    EXPECT_EQ(r.error().code, ErrorCode::WouldOverwriteSource);
+    EXPECT_EQ(r.error().where, "--out");
+  }
 }
 
 TEST(ViewOptions, PresetsAreForHounsfieldUnitsOnly) {

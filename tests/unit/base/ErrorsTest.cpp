@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <sstream>
+#include <string>
 
 #include "TestPaths.h"
 #include "vernier/base/Result.h"
@@ -23,14 +23,11 @@ TEST(Errors, EveryCodeHasAProvokingTest) {
   for (const auto& entry : fs::recursive_directory_iterator(fs::path(VERNIER_SOURCE_DIR) / "tests")) {
     if (entry.path().extension() != ".cpp" || entry.path().filename() == "ErrorsTest.cpp") continue;
     std::ifstream f(entry.path());
-    std::stringstream text;
-    text << f.rdbuf();
-    for (auto& [name, count] : seen) {
-      for (const std::string& mention : {"ErrorCode::" + name, "\"" + name + "\""}) {
-        const std::size_t at = text.str().find(mention);
-        if (at != std::string::npos) ++count;
-      }
-    }
+    std::string code;  // without comments: to name a code there provokes nothing
+    for (std::string line; std::getline(f, line);) code += line.substr(0, line.find("//")) + "\n";
+    for (auto& [name, count] : seen)
+      for (const std::string& mention : {"ErrorCode::" + name, "\"" + name + "\""})
+        if (code.find(mention) != std::string::npos) ++count;
   }
   for (const auto& [name, count] : seen) EXPECT_GT(count, 0) << name << " has no test that provokes it";
 }

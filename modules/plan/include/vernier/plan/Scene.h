@@ -10,8 +10,8 @@
 
 #include "vernier/base/Frames.h"
 #include "vernier/base/HalfSpace.h"
-#include "vernier/study/Model.h"
 #include "vernier/volume/Sampling.h"
+#include "vernier/volume/Voi.h"
 
 namespace vernier {
 
