@@ -6,8 +6,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "OptionChecks.h"
+#include "vernier/plan/LinkedViews.h"
 #include "vernier/plan/SceneJson.h"
 #include "vernier/volume/Voi.h"
 
@@ -146,22 +148,26 @@ Result<Camera> parseCamera(const std::string& text) {
 Result<Plane> parsePlane(const std::string& text) {
   const auto pairs = keyed("--plane", text);
   if (!pairs) return pairs.error();
-  Plane plane;
-  bool point = false, normal = false, up = false;
+  std::map<std::string, glm::dvec3> given;
   for (const auto& [key, values] : *pairs) {
+    if (key != "point" && key != "normal" && key != "up" && key != "from" && key != "to")
+      return invalid("--plane", "No key '" + key + "'; there are point, normal and up, or from, to and up.");
     const Result<glm::dvec3> v = vec3("--plane", key, values);
     if (!v) return v.error();
-    if (key == "point")
-      plane.point = PatientPoint(*v), point = true;
-    else if (key == "normal")
-      plane.normal = PatientVec(*v), normal = true;
-    else if (key == "up")
-      plane.up = PatientVec(*v), up = true;
-    else
-      return invalid("--plane", "No key '" + key + "'; there are point, normal and up.");
+    if (!given.emplace(key, *v).second) return invalid("--plane", "The key " + key + " was given twice.");
   }
-  if (!point || !normal || !up)
-    return invalid("--plane", "A plane needs point=x,y,z,normal=x,y,z,up=x,y,z in patient mm.");
+  const auto has = [&](const char* a, const char* b) {
+    return given.size() == 3 && given.contains("up") && given.contains(a) && given.contains(b);
+  };
+  if (has("point", "normal"))
+    return Plane{PatientPoint(given["point"]), PatientVec(given["normal"]), PatientVec(given["up"])};
+  if (!has("from", "to"))
+    return invalid("--plane",
+                   "A plane needs point=x,y,z,normal=x,y,z,up=x,y,z or from=x,y,z,to=x,y,z,up=x,y,z in "
+                   "patient mm.");
+  Result<Plane> plane =
+      planeThrough(PatientPoint(given["from"]), PatientPoint(given["to"]), PatientVec(given["up"]));
+  if (!plane) return makeError(plane.error().code, plane.error().sentence, "--plane");
   return plane;
 }
 
@@ -174,7 +180,7 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
   sub.add_option("--size", o.size, "Picture, WxH pixels")->capture_default_str();
   sub.add_option("--camera", o.camera,
                  "azimuth=30,elevation=20,projection=orthographic,fov=30,zoom=1,roll=0");
-  sub.add_option("--plane", o.plane, "point=x,y,z,normal=x,y,z,up=x,y,z in patient mm");
+  sub.add_option("--plane", o.plane, "point=x,y,z,normal=x,y,z,up=x,y,z or from=x,y,z,to=x,y,z,up=x,y,z in patient mm");
   sub.add_option("--slice", o.slice, "Slice, counted from 0 along the view's axis (absent: the middle)");
   sub.add_option("--slab", o.slab_mm, "Slab thickness in mm, centred on the plane")
       ->check(finiteFrom(0, 1e5));

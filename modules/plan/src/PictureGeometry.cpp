@@ -5,18 +5,10 @@
 #include <array>
 #include <cmath>
 
+#include "Vectors.h"
+
 namespace vernier {
 namespace {
-
-bool finite(glm::dvec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-// Unit vector, also for lengths whose square would overflow or vanish; zero for a zero or non-finite vector.
-glm::dvec3 unit(glm::dvec3 v) {
-  if (!finite(v)) return glm::dvec3(0);
-  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-  if (largest == 0) return glm::dvec3(0);
-  return glm::normalize(v / largest);
-}
 
 Error degenerate(const std::string& what) {
   return makeError(ErrorCode::PlaneDegenerate,
@@ -94,7 +86,7 @@ Result<SlicePicture> slicePicture(const SliceLayer& layer, const Camera& camera,
   if (normal == glm::dvec3(0)) return degenerate("The plane's normal has no length or is not finite");
   if (wanted == glm::dvec3(0)) return degenerate("The plane's up vector has no length or is not finite");
   const glm::dvec3 across = glm::cross(wanted, normal);
-  if (!(glm::length(across) >= 1e-6)) return degenerate("The plane's up vector is parallel to its normal");
+  if (!(glm::length(across) >= kLeastAngle_rad)) return degenerate("The plane's up vector is parallel to its normal");
   const glm::dvec3 right = glm::normalize(across);
   const glm::dvec3 up = glm::cross(normal, right);
 
@@ -115,6 +107,16 @@ Result<SlicePicture> slicePicture(const SliceLayer& layer, const Camera& camera,
   picture.origin = PatientPoint(centre - picture.right.v * (0.5 * view.width_px) -
                                 picture.down.v * (0.5 * view.height_px));
   return picture;
+}
+
+PatientPoint patientAt(const SlicePicture& picture, glm::dvec2 pixel) {
+  return picture.origin + pixel.x * picture.right + pixel.y * picture.down;
+}
+
+glm::dvec2 pixelAt(const SlicePicture& picture, PatientPoint point) {
+  const PatientVec d = point - picture.origin;
+  return {dot(d, picture.right) / dot(picture.right, picture.right),
+          dot(d, picture.down) / dot(picture.down, picture.down)};
 }
 
 ImagePicture imagePicture(const ImageLayer& layer, const Camera& camera, const View& view,

@@ -6,6 +6,8 @@
 #include <map>
 #include <numbers>
 
+#include "vernier/plan/LinkedViews.h"
+
 namespace vernier {
 namespace {
 
@@ -45,13 +47,6 @@ glm::dvec3 sliceCentre_vox(const GridGeometry& grid, int axis, std::int64_t inde
   return c;
 }
 
-// The plane of the 3-D camera at azimuth 30, elevation 20 through the volume's centre.
-Plane obliquePlane(const GridGeometry& grid) {
-  const double a = 30 * std::numbers::pi / 180, e = 20 * std::numbers::pi / 180;
-  const double sa = std::sin(a), ca = std::cos(a), se = std::sin(e), ce = std::cos(e);
-  return {grid.centre(), PatientVec(sa * ce, -ca * ce, se), PatientVec(-sa * se, ca * se, ce)};
-}
-
 double longestEdge_mm(const GridGeometry& grid) {
   const glm::dmat3& m = grid.patientFromVoxel.linear;
   const double edge = std::max({glm::length(m[0]) * static_cast<double>(grid.columns - 1),
@@ -75,6 +70,12 @@ std::string pluginOfView(const std::string& viewName) {
   for (const ViewName& view : kViews)
     if (viewName == view.name) return view.plugin;
   return "";
+}
+
+Plane obliquePlane(const GridGeometry& grid) {
+  const double a = 30 * std::numbers::pi / 180, e = 20 * std::numbers::pi / 180;
+  const double sa = std::sin(a), ca = std::cos(a), se = std::sin(e), ce = std::cos(e);
+  return {grid.centre(), PatientVec(sa * ce, -ca * ce, se), PatientVec(-sa * se, ca * se, ce)};
 }
 
 SliceAxis sliceAxis(const GridGeometry& grid, PatientVec normal) {
@@ -105,11 +106,9 @@ PatientPoint slicePoint(const GridGeometry& grid, PatientVec normal, std::int64_
 
 Result<Scene> presetScene(const std::string& viewName, const std::string& source, const GridGeometry& grid,
                           const PresetOptions& options) {
-  static const std::map<std::string, Plane> patientPlanes = {
-      {"axial", {{}, PatientVec(0, 0, -1), PatientVec(0, -1, 0)}},
-      {"coronal", {{}, PatientVec(0, -1, 0), PatientVec(0, 0, 1)}},
-      {"sagittal", {{}, PatientVec(1, 0, 0), PatientVec(0, 0, 1)}},
-  };
+  static const std::map<std::string, PatientPlane> patientPlanes = {{"axial", PatientPlane::Axial},
+                                                                    {"coronal", PatientPlane::Coronal},
+                                                                    {"sagittal", PatientPlane::Sagittal}};
   const std::string plugin = pluginOfView(viewName);
   if (plugin.empty())
     return makeError(ErrorCode::SceneInvalid,
@@ -130,7 +129,7 @@ Result<Scene> presetScene(const std::string& viewName, const std::string& source
   Scene scene;
   scene.camera = options.camera;
   if (const auto found = patientPlanes.find(viewName); found != patientPlanes.end()) {
-    layer.plane = found->second;
+    layer.plane = patientPlane(found->second, {});
     const SliceAxis axis = sliceAxis(grid, layer.plane.normal);
     const std::int64_t index = options.slice.value_or(axis.count / 2);
     if (index < 0 || index >= axis.count)

@@ -27,6 +27,13 @@ TEST(ViewOptions, ReadsWhatTheHelpShows) {
   ASSERT_TRUE(p.ok());
   EXPECT_EQ(p->point, PatientPoint(1, 2.5, -3));
   EXPECT_EQ(p->normal, PatientVec(0, 0, 1));
+  // Two points and an up vector: the plane that holds them, centred between them.
+  const Result<Plane> q = parsePlane("from=0,0,10,to=8,6,10,up=0,0,1");
+  ASSERT_TRUE(q.ok());
+  EXPECT_EQ(q->point, PatientPoint(4, 3, 10));
+  EXPECT_NEAR(q->normal.v.x, 0.6, 1e-15);
+  EXPECT_NEAR(q->normal.v.y, -0.8, 1e-15);
+  EXPECT_EQ(q->up, PatientVec(0, 0, 1));
 }
 
 TEST(ViewOptions, RefusesWithTheOptionsName) {
@@ -38,8 +45,16 @@ TEST(ViewOptions, RefusesWithTheOptionsName) {
                           "zoom=1,2", "zoom=inf", "zoom=1,zoom=2"})
     EXPECT_FALSE(parseCamera(bad).ok()) << bad;
   for (const char* bad :
-       {"", "point=1,2,3", "point=1,2,normal=0,0,1,up=0,1,0", "point=1,2,3,normal=0,0,x,up=0,1,0"})
+       {"", "point=1,2,3", "point=1,2,normal=0,0,1,up=0,1,0", "point=1,2,3,normal=0,0,x,up=0,1,0",
+        "from=0,0,0,to=1,0,0", "from=0,0,0,to=1,0,0,normal=0,0,1", "from=0,0,0,from=0,0,0,to=1,0,0,up=0,1,0",
+        "from=0,0,0,to=1,0,0,up=0,1,0,normal=0,0,1"})
     EXPECT_FALSE(parsePlane(bad).ok()) << bad;
+  for (const char* degenerate : {"from=1,2,3,to=1,2,3,up=0,0,1", "from=0,0,0,to=2,0,0,up=-1,0,0"}) {
+    const Result<Plane> p = parsePlane(degenerate);
+    ASSERT_FALSE(p.ok()) << degenerate;
+    EXPECT_EQ(p.error().code, ErrorCode::PlaneDegenerate);
+    EXPECT_EQ(p.error().where, "--plane");
+  }
   EXPECT_EQ(parseWindow("x").error().where, "--window");
   EXPECT_EQ(exitCode(parseSize("0x0").error().code), 2);
 }

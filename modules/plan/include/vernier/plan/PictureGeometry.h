@@ -30,6 +30,11 @@ inline Result<SlicePicture> slicePicture(const SliceLayer& layer, const Camera& 
   return slicePicture(layer, camera, view, volume.grid());
 }
 
+// Between picture coordinates (pixels, any fraction) and the patient. pixelAt() looks along the normal: the
+// point need not lie on the plane. Both are exact inverses on the plane but for rounding.
+VERNIER_API PatientPoint patientAt(const SlicePicture&, glm::dvec2 pixel);
+VERNIER_API glm::dvec2 pixelAt(const SlicePicture&, PatientPoint);
+
 // An image layer keeps the file's pixel aspect (pixel spacing row\column; 1:1 when unknown): at zoom 1 the
 // frame, with its half-pixel border, just fits into the picture, or camera.height_mm is the picture's height
 // where the spacing is known. pan_mm counts in mm, or in columns of the frame where the spacing is unknown.

@@ -37,6 +37,10 @@ struct PresetOptions {
 VERNIER_API const std::vector<std::string>& viewNames();
 VERNIER_API std::string pluginOfView(const std::string& viewName);
 
+// The plane of the view oblique: through the volume's centre, with the axes of the 3-D camera at azimuth 30,
+// elevation 20.
+VERNIER_API Plane obliquePlane(const GridGeometry&);
+
 // The voxel axis (0 columns, 1 rows, 2 slices) along which a view with this normal scrolls, and how many
 // slices it has.
 struct SliceAxis {
