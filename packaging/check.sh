@@ -35,40 +35,16 @@ man -l --warnings "$unpacked"/usr/share/man/man1/vernier.1.gz 2>"$root/man" >/de
 rm -rf "$unpacked" "$root/appstream" "$root/man"
 
 say "a root folder of nothing but the dependencies"
-closure() {  # packages that the given ones depend on, as they are installed here
-  local todo=("$@") p line alternative
-  declare -gA seen=()
-  while [ ${#todo[@]} -gt 0 ]; do
-    p=${todo[0]}
-    todo=("${todo[@]:1}")
-    [ -z "${seen[$p]:-}" ] || continue
-    seen[$p]=1
-    line=$(dpkg-query -W -f '${Pre-Depends}, ${Depends}' "$p")
-    while read -r -d , alternative || [ -n "$alternative" ]; do
-      for name in $(sed 's/([^)]*)//g; s/|/ /g; s/:any//g' <<<"$alternative"); do
-        if [ "$(dpkg-query -W -f '${db:Status-Status}' "$name" 2>/dev/null)" = installed ]; then
-          todo+=("$name")
-          break
-        fi
-      done
-    done <<<"$line"
-  done
-}
-needed=()
-while read -r -d , entry || [ -n "$entry" ]; do
-  needed+=($(sed 's/([^)]*)//g; s/|.*//' <<<"$entry"))
-done <<<"$(dpkg-deb -f "$deb" Depends)"
-closure base-files dash coreutils "${needed[@]}"
+mapfile -t packages < <(python3 "$here/closure.py" "$deb" base-files dash coreutils)
+[ ${#packages[@]} -gt 5 ] || fail "no dependencies found"
 mkdir -p "$root"/var/lib/dpkg/{info,updates,triggers} "$root"/{tmp,dev,proc,usr/bin,usr/lib,usr/lib64,usr/sbin}
 for d in bin lib lib64 sbin; do ln -s "usr/$d" "$root/$d"; done
-for p in "${!seen[@]}"; do
-  dpkg-query -s "$p" && echo
-done >"$root/var/lib/dpkg/status"
-for p in "${!seen[@]}"; do dpkg-query -L "$p"; done | grep '^/.' | sort -u |
+dpkg-query -s "${packages[@]}" >"$root/var/lib/dpkg/status"
+dpkg-query -L "${packages[@]}" | grep '^/.' | sort -u |
   sed 's#^/\(bin\|lib\|lib64\|sbin\)/#/usr/\1/#; s#^/##' |
   grep -v -e '^usr/share/\(doc\|man\|locale\)/' -e '^\(bin\|lib\|lib64\|sbin\)$' |
   tar -C / --no-recursion --ignore-failed-read -cf - -T - 2>/dev/null | tar -C "$root" -xf -
-say "$(wc -l <<<"$(printf '%s\n' "${!seen[@]}")") packages, $(du -sm "$root" | cut -f1) MB"
+say "${#packages[@]} packages, $(du -sm "$root" | cut -f1) MB"
 if find "$root" -name 'libGL.so*' -o -name 'libGLX*' -o -name 'libOSMesa*' -o -name 'libglfw*' -o -name 'libEGL*' |
   grep .; then fail "the dependencies bring OpenGL or a window"; fi
 list() { (cd "$root" && find . -path ./var/lib/dpkg -prune -o -print | sort); }

@@ -56,10 +56,7 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 
 set(CPACK_DEBIAN_VERNIER_PACKAGE_NAME vernier)
 set(CPACK_DEBIAN_VERNIER_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_VERNIER_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR}/lib)
-# The window and OpenGL are loaded on demand: without them Vernier draws with the processor.
-set(CPACK_DEBIAN_VERNIER_PACKAGE_RECOMMENDS "libglfw3 | libglfw3-wayland, libgl1, shared-mime-info")
+# Depends and Recommends come from make.sh, which asks dpkg-shlibdeps: what the window alone links is recommended.
 set(CPACK_DEBIAN_VERNIER_PACKAGE_SUGGESTS "libosmesa6")
 set(CPACK_DEBIAN_VERNIER_DESCRIPTION "review of medical volume images with measured error
  Vernier shows CT, MR and angiography studies from DICOM folders as slices,

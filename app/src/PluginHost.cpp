@@ -2,6 +2,7 @@
 #include "PluginHost.h"
 
 #include <dlfcn.h>
+#include <sys/auxv.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -312,7 +313,9 @@ const Panel* PluginHost::panelOf(const std::string& kind) const { return impl_->
 
 std::string PluginHost::installFolder() {
   std::error_code ec;
-  const fs::path program = fs::read_symlink("/proc/self/exe", ec);
+  fs::path program = fs::read_symlink("/proc/self/exe", ec);
+  if (ec)  // a bare root folder without /proc
+    program = fs::canonical(reinterpret_cast<const char*>(::getauxval(AT_EXECFN)), ec);
   return (program.parent_path().parent_path() / "lib" / "vernier" / "plugins").lexically_normal().string();
 }
 
