@@ -2,11 +2,13 @@
 #include "PluginHost.h"
 
 #include <dlfcn.h>
+#include <sys/auxv.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <set>
 
 #include "PluginCard.h"
@@ -60,8 +62,14 @@ class Gathering final : public Host {
     techniques.push_back(std::move(t));
     return {};
   }
+  Result<void> addPanel(Panel p) override {
+    if (Result<void> r = checkPanel(p); !r) return r;
+    panels.push_back(std::move(p));
+    return {};
+  }
   Result<gpu::Device*> glDevice() override { return glDevice_(); }
   std::vector<Technique> techniques;
+  std::vector<Panel> panels;
 
  private:
   std::function<Result<gpu::Device*>()> glDevice_;
@@ -83,6 +91,9 @@ struct PluginHost::Impl {
     std::string libraryPath;
   };
   void finish(const Candidate&);
+  // "" when none of what was registered exists already.
+  std::string existing(const Gathering&) const;
+  const Panel* panelOf(const std::string& kind) const;
   bool isLoaded(const std::string& name) const {
     return std::any_of(infos.begin(), infos.end(),
                        [&](const auto& i) { return i->name == name && i->state == PluginState::Loaded; });
@@ -129,6 +140,21 @@ Technique wrapped(Technique t, PluginInfo* owner) {
       return failed(errorFromCurrentException(owner->name));
     }
   };
+  if (auto truth = std::move(t.truth)) {
+    t.truth = [=](const Layer& layer, std::size_t index, const PlanContext& context) -> Result<PixelTruth> {
+      Result<PixelTruth> made = guarded(owner->name, [&] { return truth(layer, index, context); });
+      if (!made) return made.error();
+      // On many threads at once: what throws is told as a pixel without a colour, which counts as wholly
+      // wrong.
+      return PixelTruth([at = std::move(*made)](glm::dvec2 pixel, glm::dvec4 under) {
+        try {
+          return at(pixel, under);
+        } catch (...) {
+          return glm::dvec4(std::numeric_limits<double>::quiet_NaN());
+        }
+      });
+    };
+  }
   auto execute = std::move(t.execute);
   t.execute = [=](const Pass& pass, Images& images, std::stop_token stop) -> Result<void> {
     if (owner->state == PluginState::Failed) return off();
@@ -212,6 +238,22 @@ void PluginHost::load(const std::vector<std::string>& folders) {
   }
 }
 
+std::string PluginHost::Impl::existing(const Gathering& g) const {
+  std::set<std::string> names, kinds;
+  for (const Technique& t : g.techniques)
+    if (registry.find(t.name) || !names.insert(t.name).second) return "Technique " + t.name;
+  for (const Panel& p : g.panels)
+    if (panelOf(p.kind) || !kinds.insert(p.kind).second) return "A panel for " + p.kind;
+  return "";
+}
+
+const Panel* PluginHost::Impl::panelOf(const std::string& kind) const {
+  for (const auto& i : infos)
+    for (const Panel& p : i->panels)
+      if (p.kind == kind && i->state == PluginState::Loaded) return &p;
+  return nullptr;
+}
+
 void PluginHost::Impl::finish(const Candidate& c) {
   PluginInfo& info = *c.info;
   if (isLoaded(info.name))
@@ -249,16 +291,15 @@ void PluginHost::Impl::finish(const Candidate& c) {
   if (!run) error = run.error();
   if (!registered || !run)
     return refuse(info, PluginState::RegisterFailed, "Its register() failed: " + error.sentence);
-  std::set<std::string> names;
-  for (const Technique& t : gathering->techniques)
-    if (registry.find(t.name) || !names.insert(t.name).second)
-      return refuse(info, PluginState::Duplicate, "Technique " + t.name + " is registered already.");
+  if (const std::string what = existing(*gathering); !what.empty())
+    return refuse(info, PluginState::Duplicate, what + " is registered already.");
   for (Technique& t : gathering->techniques) {
     info.techniques.push_back(t.name);
     const Result<void> added = registry.add(wrapped(std::move(t), &info));
     VERNIER_ASSERT(added.ok());  // the only refusal is a duplicate name, which was looked for above
   }
   gathering->techniques.clear();
+  info.panels = std::move(gathering->panels);
   hosts.push_back(std::move(gathering));
   info.state = PluginState::Loaded;
 }
@@ -270,9 +311,13 @@ const std::vector<PluginInfo>& PluginHost::plugins() const {
 }
 const TechniqueRegistry& PluginHost::techniques() const { return impl_->registry; }
 
+const Panel* PluginHost::panelOf(const std::string& kind) const { return impl_->panelOf(kind); }
+
 std::string PluginHost::installFolder() {
   std::error_code ec;
-  const fs::path program = fs::read_symlink("/proc/self/exe", ec);
+  fs::path program = fs::read_symlink("/proc/self/exe", ec);
+  if (ec)  // a bare root folder without /proc
+    program = fs::canonical(reinterpret_cast<const char*>(::getauxval(AT_EXECFN)), ec);
   return (program.parent_path().parent_path() / "lib" / "vernier" / "plugins").lexically_normal().string();
 }
 

@@ -22,7 +22,7 @@ enum class PluginState {
   OtherAbi,           // built by another compiler, in another way, or against other headers
   OtherInterface,     // speaks another version of the plugin interface
   MissingDependency,  // needs a plugin that is not loaded
-  Duplicate,          // another plugin has this name, or registers a technique that exists
+  Duplicate,          // another plugin has this name, or brings a technique or a panel that exists
   RegisterFailed,     // register() returned an error or threw
   Failed,             // threw while working; switched off
 };
@@ -35,6 +35,7 @@ struct PluginInfo {
   PluginState state = PluginState::CardDamaged;
   std::string reason;  // one sentence when not Loaded
   std::vector<std::string> techniques;
+  std::vector<Panel> panels;
 };
 
 class PluginHost {
@@ -48,6 +49,8 @@ class PluginHost {
 
   const std::vector<PluginInfo>& plugins() const;
   const TechniqueRegistry& techniques() const;
+  // The panel of a layer kind, of a plugin that works; nullptr: none.
+  const Panel* panelOf(const std::string& kind) const;
 
   // <program folder>/../lib/vernier/plugins
   static std::string installFolder();

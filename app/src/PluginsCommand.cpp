@@ -7,20 +7,50 @@
 
 namespace vernier::app {
 namespace {
+using Json = nlohmann::ordered_json;
+
+Json controlJson(const PanelControl& control) {
+  Json j{{"type", typeOf(control)}};
+  if (const auto* label = std::get_if<PanelLabel>(&control)) j["text"] = label->text;
+  if (const auto* s = std::get_if<PanelSlider>(&control))
+    j.update({{"key", s->key},
+              {"label", s->label},
+              {"unit", s->unit},
+              {"least", s->least},
+              {"most", s->most},
+              {"step", s->step},
+              {"initial", s->initial}});
+  if (const auto* c = std::get_if<PanelCheckbox>(&control))
+    j.update({{"key", c->key}, {"label", c->label}, {"initial", c->initial}});
+  if (const auto* t = std::get_if<PanelText>(&control))
+    j.update({{"key", t->key}, {"label", t->label}, {"initial", t->initial}});
+  return j;
+}
+
+Json panelJson(const Panel& panel) {
+  Json controls = Json::array();
+  for (const PanelControl& c : panel.controls) controls.push_back(controlJson(c));
+  return {{"title", panel.title}, {"kind", panel.kind}, {"controls", controls}};
+}
+
 int run(const GlobalOptions& global, bool json) {
   const auto session = makeSession(global);
   if (!session) return 2;
   if (json) {
-    nlohmann::ordered_json list = nlohmann::ordered_json::array();
-    for (const PluginInfo& p : session->plugins())
+    Json list = Json::array();
+    for (const PluginInfo& p : session->plugins()) {
+      Json panels = Json::array();
+      for (const Panel& panel : p.panels) panels.push_back(panelJson(panel));
       list.push_back({{"name", p.name},
                       {"version", p.version},
                       {"state", nameOf(p.state)},
                       {"reason", p.reason},
                       {"kinds", p.kinds},
                       {"views", p.views},
-                      {"techniques", p.techniques}});
-    std::cout << nlohmann::ordered_json{{"schema", "vernier-plugins/1"}, {"plugins", list}}.dump(2) << "\n";
+                      {"techniques", p.techniques},
+                      {"panels", panels}});
+    }
+    std::cout << Json{{"schema", "vernier-plugins/1"}, {"plugins", list}}.dump(2) << "\n";
     return 0;
   }
   if (session->plugins().empty()) std::printf("No plugin was found; slices need the plugin mpr.\n");
@@ -29,6 +59,9 @@ int run(const GlobalOptions& global, bool json) {
     if (!p.reason.empty()) std::printf("               %s\n", p.reason.c_str());
     if (!p.description.empty()) std::printf("               %s\n", p.description.c_str());
     for (const std::string& t : p.techniques) std::printf("               technique %s\n", t.c_str());
+    for (const Panel& panel : p.panels)
+      std::printf("               panel \"%s\" for layers of kind %s\n", panel.title.c_str(),
+                  panel.kind.c_str());
   }
   return 0;
 }

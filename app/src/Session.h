@@ -3,6 +3,7 @@
 // Command line, window, goldens, fuzzers and benchmarks use only this. Call from one thread; render() runs
 // its passes on the session's render thread, which alone touches GL.
 #pragma once
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "PluginHost.h"
+#include "vernier/gpu/Device.h"
 #include "vernier/base/Progress.h"
 #include "vernier/plan/MakePlan.h"
 #include "vernier/quality/Ladder.h"
@@ -19,6 +21,8 @@
 namespace vernier::app {
 
 struct SessionOptions {
+  // How the render thread gets its GL device; absent: gpu::Device::make.
+  std::function<Result<std::unique_ptr<gpu::Device>>()> makeDevice;
   int threads = 0;                         // 0 = all cores
   std::uint64_t memory_mb = 0;             // 0 = half of what is free
   std::vector<std::string> pluginFolders;  // besides the install folder
@@ -85,6 +89,8 @@ class Session {
   Result<Plan> plan(const Scene&, const View&, const Quality&, bool explain = false);
   // `reuse` gives its buffers to the new frame. The closed loop of `review` and `reference` lowers
   // quality.step until the measured error meets the goal; without measuring, one frame at quality.step.
+  // When GL fails while it draws: a lost context is made anew once; what still fails is drawn natively, unless GL was
+  // asked for. Either stands in the plan's notes. Scene and study are untouched.
   Result<Rendered> render(const Scene&, const View&, const Quality&, const RenderOptions&,
                           std::stop_token = {}, Frame reuse = {});
 
@@ -92,6 +98,8 @@ class Session {
   // so.
   const Capabilities& capabilities(bool withGl);
   const std::vector<PluginInfo>& plugins() const;
+  // The panel of a plugin's layer kind (plan/Panel.h), to be drawn by the window; nullptr: none.
+  const Panel* panelOf(const std::string& kind) const;
   CostTable& costs();
   MemoryBudget& budget();
 

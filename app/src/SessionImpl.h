@@ -12,7 +12,8 @@ namespace vernier::app {
 
 struct Session::Impl {
   explicit Impl(const SessionOptions& o)
-      : budget(o.memory_mb > 0 ? o.memory_mb << 20 : MemoryBudget::halfOfFreeBytes()),
+      : makeDevice(o.makeDevice),
+        budget(o.memory_mb > 0 ? o.memory_mb << 20 : MemoryBudget::halfOfFreeBytes()),
         plugins([this] { return device(); }) {
     std::vector<std::string> folders{PluginHost::installFolder()};
     folders.insert(folders.end(), o.pluginFolders.begin(), o.pluginFolders.end());
@@ -24,7 +25,7 @@ struct Session::Impl {
 
   Result<gpu::Device*> device() {
     if (!glDevice) {
-      Result<std::unique_ptr<gpu::Device>> made = gpu::Device::make();
+      Result<std::unique_ptr<gpu::Device>> made = makeDevice ? makeDevice() : gpu::Device::make();
       if (!made) return made.error();
       glDevice = std::move(*made);
     }
@@ -38,8 +39,23 @@ struct Session::Impl {
   Result<Sources> sourcesFor(Session&, const Scene&, std::stop_token);
   Result<Plan> planFor(const Scene&, const View&, const Quality&, const Sources&, bool explain);
   Scene withoutAbsentLayers(Scene) const;
-  Result<Frame> execute(const Plan&, const View&, std::stop_token, Frame reuse);
+  // The truths of plugins' own layers, by place; an Error when one brings none, so that no error can be
+  // measured.
+  Result<std::map<std::size_t, PixelTruth>> truthsOf(const Scene& shown, const View&, const Quality&,
+                                                     const Sources&);
+  Result<Frame> execute(const Plan&, const View&, const Rgb& background, std::stop_token, Frame reuse);
 
+  // One picture of a scene: the plan it was drawn by, with a note when GL had to be given up on the way.
+  struct Asked {
+    const Scene& scene;
+    const View& view;
+    const Quality& quality;
+    const Sources& sources;
+  };
+  Result<Frame> drawOrRecover(const Asked&, Plan&, std::stop_token, Frame reuse);
+
+  std::function<Result<std::unique_ptr<gpu::Device>>()> makeDevice;
+  bool deviceWasRebuilt = false;
   static constexpr std::uint64_t kDerivedBytes = std::uint64_t{256} << 20;
   MemoryBudget budget;
   DerivedCache derived{kDerivedBytes};

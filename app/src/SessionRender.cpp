@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Session, second half: capabilities, plans and pictures.
+
+#include <algorithm>
+
 #include "Clock.h"
 #include "SessionImpl.h"
 #include "vernier/base/Guarded.h"
 #include "vernier/base/Threads.h"
 #include "vernier/base/Trace.h"
 #include "vernier/native/Simd.h"
+#include "vernier/plan/SceneJson.h"
 
 namespace vernier::app {
 
@@ -58,6 +62,12 @@ Result<Sources> Session::Impl::sourcesFor(Session& session, const Scene& scene, 
       const auto f = session.image(image->source, image->index);
       if (!f) return f.error();
       sources.images[{image->source, image->index}] = *f;
+    } else if (const auto* custom = std::get_if<CustomLayer>(&layer); custom) {
+      const std::optional<std::string> source = sourceOf(*custom);
+      if (!source || plugins.techniques().drawing(custom->kind).empty()) continue;
+      const auto v = session.volume(*source, {}, stop);
+      if (!v) return v.error();
+      sources.volumes[*source] = *v;
     }
   }
   return sources;
@@ -84,13 +94,52 @@ Scene Session::Impl::withoutAbsentLayers(Scene scene) const {
   return scene;
 }
 
-Result<Frame> Session::Impl::execute(const Plan& plan, const View& view, std::stop_token stop, Frame reuse) {
+Result<std::map<std::size_t, PixelTruth>> Session::Impl::truthsOf(const Scene& shown, const View& view,
+                                                                  const Quality& quality,
+                                                                  const Sources& sources) {
+  std::map<std::size_t, PixelTruth> truths;
+  const PlanContext context{shown, view, quality, look(false), costs, sources};
+  for (std::size_t n = 0; n < shown.layers.size(); ++n) {
+    if (!std::holds_alternative<CustomLayer>(shown.layers[n])) continue;
+    const std::string kind = kindOf(shown.layers[n]);
+    const auto drawing = plugins.techniques().drawing(kind);
+    const auto withTruth =
+        std::find_if(drawing.begin(), drawing.end(), [](const Technique* t) { return t->truth != nullptr; });
+    if (withTruth == drawing.end())
+      return makeError(ErrorCode::NotBuiltYet,
+                       "error not measured: the plugin of layer " + std::to_string(n) + " (" + kind +
+                           ") brings no truth to measure against");
+    Result<PixelTruth> truth = (*withTruth)->truth(shown.layers[n], n, context);
+    if (!truth) return truth.error();
+    truths[n] = std::move(*truth);
+  }
+  return truths;
+}
+
+namespace {
+// A picture whose first pass draws over what lies below it: there is nothing below but the background.
+void fillWith(Images& images, const Rgb& colour) {
+  for (std::size_t n = 0; n < images.colour.size(); n += 4) {
+    images.colour[n] = static_cast<float>(colour.r), images.colour[n + 1] = static_cast<float>(colour.g);
+    images.colour[n + 2] = static_cast<float>(colour.b), images.colour[n + 3] = 1;
+  }
+}
+bool drawsOver(const Pass& pass) {
+  return std::find(pass.inputs.begin(), pass.inputs.end(), "colour") != pass.inputs.end();
+}
+}  // namespace
+
+Result<Frame> Session::Impl::execute(const Plan& plan, const View& view, const Rgb& background,
+                                     std::stop_token stop, Frame reuse) {
   const TraceSpan span("frame");
   const auto begin = Clock::now();
   Frame frame = std::move(reuse);
   frame.images.counters = {};
   // Techniques size the images and write every pixel; clearing them first would cost as much as a slice.
-  if (plan.passes.empty()) frame.images.allocate(view.width_px, view.height_px, view.wantValues);
+  if (plan.passes.empty() || drawsOver(plan.passes.front())) {
+    frame.images.allocate(view.width_px, view.height_px, view.wantValues);
+    if (!plan.passes.empty()) fillWith(frame.images, background);
+  }
   Result<void> done;
   renderThread.run([&] {
     for (const Pass& pass : plan.passes) {
@@ -115,6 +164,43 @@ Result<Frame> Session::Impl::execute(const Plan& plan, const View& view, std::st
 
 namespace {
 
+bool usesGl(const Plan& plan) {
+  return std::any_of(plan.passes.begin(), plan.passes.end(), [](const Pass& p) { return p.engine == Engine::Gl; });
+}
+
+// What another context, or none, may do better: everything that the device is to blame for.
+bool isOfTheDevice(ErrorCode code) {
+  return errorClass(code) == ErrorClass::Device || code == ErrorCode::OutOfMemory;
+}
+
+}  // namespace
+
+Result<Frame> Session::Impl::drawOrRecover(const Asked& a, Plan& plan, std::stop_token stop, Frame reuse) {
+  Result<Frame> frame = execute(plan, a.view, a.scene.background, stop, std::move(reuse));
+  if (frame || !usesGl(plan) || !isOfTheDevice(frame.error().code)) return frame;
+  if (frame.error().code == ErrorCode::GlLost) {
+    renderThread.run([&] { glDevice.reset(); });
+    if (!deviceWasRebuilt) {
+      deviceWasRebuilt = true;
+      frame = execute(plan, a.view, a.scene.background, stop, {});
+      if (frame) plan.notes.push_back("OpenGL was lost (the driver was reset) and has been made anew");
+      if (frame || !isOfTheDevice(frame.error().code)) return frame;
+    }
+  }
+  Capabilities machine = look(true);
+  machine.gl = false;
+  machine.glWhyNot = frame.error().sentence;
+  // Too little memory is of this picture; whatever else failed would fail again.
+  if (frame.error().code != ErrorCode::OutOfMemory) *capabilities = machine;
+  Result<Plan> native = makePlan(a.scene, a.view, a.quality, machine, costs, a.sources, plugins.techniques());
+  if (!native) return frame.error();  // GL was asked for, or nothing else can draw this
+  native->notes.push_back("drawn without OpenGL, which failed: " + frame.error().sentence);
+  plan = std::move(*native);
+  return execute(plan, a.view, a.scene.background, stop, {});
+}
+
+namespace {
+
 // A draft is a time target: one picture, whatever its error. The others halve the step until they meet the
 // goal.
 quality::LadderOptions ladderOf(const Quality& asked, const RenderOptions& options) {
@@ -127,6 +213,12 @@ quality::LadderOptions ladderOf(const Quality& asked, const RenderOptions& optio
   level.maxError = options.goal;
   ladder.goal = errorGoal(level);
   return ladder;
+}
+
+// Colour, depth and values of a frame as floats, and the 8 bits made of them.
+std::uint64_t bytesOfPicture(const View& view) {
+  const std::uint64_t perPixel = 4 * sizeof(float) + sizeof(float) + (view.wantValues ? sizeof(float) : 0) + 3;
+  return perPixel * static_cast<std::uint64_t>(view.width_px) * static_cast<std::uint64_t>(view.height_px);
 }
 
 }  // namespace
@@ -145,6 +237,9 @@ Result<void> Session::Impl::checkShown(const Scene& scene, const View& view) con
 Result<Rendered> Session::render(const Scene& scene, const View& view, const Quality& asked,
                                  const RenderOptions& options, std::stop_token stop, Frame reuse) {
   if (const Result<void> r = impl_->checkShown(scene, view); !r) return r.error();
+  const auto room = impl_->budget.reserve(bytesOfPicture(view), "A picture of " + std::to_string(view.width_px) + " x " +
+                                                                    std::to_string(view.height_px) + " pixels");
+  if (!room) return room.error();
   const auto begin = Clock::now();
   const Result<Sources> sources = impl_->sourcesFor(*this, scene, stop);
   if (!sources) return sources.error();
@@ -152,36 +247,38 @@ Result<Rendered> Session::render(const Scene& scene, const View& view, const Qua
   const double prepare_ms = msSince(begin);
 
   Rendered out;
-  const auto planAt = [&](double step) -> Result<void> {
+  std::map<double, Plan> plans;  // by step: the one that belongs to the picture that is kept
+  const quality::RenderAtStep draw = [&](double step) -> Result<Frame> {
     Quality quality = asked;
-    quality.step = out.step = step;
+    quality.step = step;
     Result<Plan> plan = impl_->planFor(drawn, view, quality, *sources, options.explain);
     if (!plan) return plan.error();
-    out.plan = std::move(*plan);
-    return {};
-  };
-  const quality::RenderAtStep draw = [&](double step) -> Result<Frame> {
-    if (const Result<void> planned = planAt(step); !planned) return planned.error();
-    Result<Frame> frame = impl_->execute(out.plan, view, stop, std::move(reuse));
+    Result<Frame> frame = impl_->drawOrRecover({drawn, view, quality, *sources}, *plan, stop, std::move(reuse));
     if (frame) frame->prepare_ms = prepare_ms;
+    plans[step] = std::move(*plan);
     return frame;
   };
-  if (!options.measure) {
+  const Scene shown = impl_->withoutAbsentLayers(drawn);
+  const auto truths = impl_->truthsOf(shown, view, asked, *sources);
+  if (!options.measure || !truths) {
     Result<Frame> frame = draw(asked.step);
     if (!frame) return frame.error();
     out.frame = std::move(*frame);
+    out.plan = std::move(plans[asked.step]);
+    out.step = asked.step;
+    if (options.measure) out.plan.notes.push_back(truths.error().sentence);
     return out;
   }
-  const Scene shown = impl_->withoutAbsentLayers(drawn);
   const quality::MeasureFrame measure = [&](const Frame& frame, double step) {
     quality::ErrorOptions error = options.error;
     error.reference.step = step;
+    error.reference.truths = *truths;
     return quality::measureError(frame, shown, view, *sources, error, stop);
   };
   Result<quality::LadderResult> reached = quality::climb(draw, measure, ladderOf(asked, options), stop);
   if (!reached) return reached.error();
-  if (out.step != reached->reached.step)  // the plan that belongs to the picture that is kept
-    if (const Result<void> planned = planAt(reached->reached.step); !planned) return planned.error();
+  out.step = reached->reached.step;
+  out.plan = std::move(plans.at(out.step));
   out.frame = std::move(reached->frame);
   out.error = std::move(reached->reached.error);
   out.goalReached = reached->goalReached;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "Settings.h"
 
+#include <unistd.h>
+
 #include <charconv>
 #include <cstdlib>
 #include <filesystem>
@@ -94,6 +96,25 @@ Result<Settings> readSettings(const SettingFlags& flags) {
   }
   s.sources = {threads, memory, engine, plugins};
   return s;
+}
+
+Result<void> checkSettingsFolder() {
+  namespace fs = std::filesystem;
+  const std::string path = configPath();
+  if (path.empty())
+    return makeError(
+        ErrorCode::WriteFailed,
+        "There is no settings folder (neither HOME nor XDG_CONFIG_HOME is set), so changes are not kept.",
+        "config.json");
+  std::error_code ec;
+  fs::path folder = fs::absolute(path, ec).parent_path();
+  while (!fs::exists(folder, ec) && folder.has_relative_path()) folder = folder.parent_path();
+  if (fs::is_directory(folder, ec) && ::access(folder.c_str(), W_OK | X_OK) == 0) return {};
+  return makeError(
+      ErrorCode::WriteFailed,
+      "The settings folder cannot be written, so changes of settings are not kept; mend its permissions "
+      "or set XDG_CONFIG_HOME to a folder that can.",
+      "config.json");
 }
 
 }  // namespace vernier::app

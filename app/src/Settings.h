@@ -34,4 +34,9 @@ struct SettingFlags {
 // OptionInvalid names the setting and where its bad value stands.
 Result<Settings> readSettings(const SettingFlags&);
 
+// Can settings be kept? WriteFailed, with a sentence for the user, when the folder of config.json (or, while
+// it does not exist, the nearest one above it) cannot be written. Nothing is created. Vernier works without
+// it.
+Result<void> checkSettingsFolder();
+
 }  // namespace vernier::app

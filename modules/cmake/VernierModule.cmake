@@ -22,7 +22,9 @@ else()
   target_compile_options(vernier_flags INTERFACE -march=x86-64-v2 -fstack-protector-strong
     $<$<CONFIG:Release>:-D_FORTIFY_SOURCE=2>)
 endif()
-target_compile_definitions(vernier_flags INTERFACE GLM_FORCE_XYZW_ONLY _GLIBCXX_ASSERTIONS)
+# What whoever includes our headers must define too.
+set(VERNIER_PUBLIC_DEFINITIONS GLM_FORCE_XYZW_ONLY _GLIBCXX_ASSERTIONS)
+target_compile_definitions(vernier_flags INTERFACE ${VERNIER_PUBLIC_DEFINITIONS})
 
 function(vernier_module name)
   cmake_parse_arguments(M "TECHNIQUE" "" "SOURCES;USES;PRIVATE" ${ARGN})

@@ -162,9 +162,42 @@ TEST_F(Cli, DoctorAndPluginsSpeakJson) {
   EXPECT_TRUE(doctor["native"]["available"].get<bool>());
   EXPECT_EQ(doctor["limits"]["sequence_depth"], 64);
   EXPECT_EQ(doctor["settings"]["threads"]["source"], "default");
+  EXPECT_TRUE(doctor["window"]["available"].is_boolean());
+  EXPECT_NE(doctor["window"]["available"].get<bool>(),
+            !doctor["window"]["why_not"].get<std::string>().empty());
   const auto plugins = nlohmann::json::parse(vernier({"plugins", "--json"}).out);
   EXPECT_EQ(plugins["plugins"][0]["name"], "mpr");
   EXPECT_EQ(plugins["plugins"][0]["state"], "loaded");
+}
+
+TEST_F(Cli, DoctorNamesEveryLimit) {
+  const auto said = nlohmann::json::parse(vernier({"doctor", "--json"}).out)["limits"];
+  std::ifstream header(std::string(VERNIER_SOURCE_DIR) + "/modules/study/include/vernier/study/Limits.h");
+  std::size_t constants = 0;
+  for (std::string line; std::getline(header, line);)
+    for (std::size_t at = line.find(" k"); at != std::string::npos; at = line.find(" k", at + 1))
+      if (line.starts_with("inline constexpr") && line.find('=', at) != std::string::npos) ++constants;
+  EXPECT_GT(constants, 10u);
+  EXPECT_EQ(said.size(), constants - 1)
+      << "a limit is missing in limits::kAll, which itself is the one left out";
+}
+
+// A virtual display with OpenGL, and the same whose OpenGL is too old.
+TEST_F(Cli, DoctorTellsOfTheWindowOnADisplay) {
+  const auto onDisplay = [&](const std::vector<std::string>& environment) {
+    const ProgramRun r =
+        runProgram({"/usr/bin/xvfb-run", "-a", kProgram, "doctor", "--json"}, 60, environment);
+    EXPECT_EQ(r.exitCode, 0) << show(r);
+    return nlohmann::json::parse(r.out)["window"];
+  };
+  const auto good = onDisplay({});
+  EXPECT_TRUE(good["available"].get<bool>()) << good.dump();
+  EXPECT_TRUE(good["display"].get<std::string>().starts_with("X11 :"));
+  EXPECT_TRUE(good["software"].get<bool>());
+  EXPECT_GE(good["version"].get<std::string>(), "3.3");
+  const auto old = onDisplay({"MESA_GL_VERSION_OVERRIDE=2.1"});
+  EXPECT_FALSE(old["available"].get<bool>());
+  EXPECT_NE(old["why_not"].get<std::string>().find("offers no OpenGL 3.3"), std::string::npos) << old.dump();
 }
 
 TEST_F(Cli, WithoutOpenGlSlicesStillWorkAndGlIsRefusedWithAReason) {

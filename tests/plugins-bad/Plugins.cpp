@@ -27,13 +27,26 @@ vernier::Technique technique(const std::string& name) {
   return t;
 }
 
+[[maybe_unused]] vernier::Panel panel() {
+  vernier::Panel p;
+  p.title = "A panel";
+  p.kind = "test-kind";
+  p.controls = {vernier::PanelCheckbox{"on", "On", true}};
+#ifdef PLUGIN_BAD_PANEL
+  p.controls.push_back(vernier::PanelText{"on", "The same key again", ""});
+#endif
+  return p;
+}
+
 [[maybe_unused]] vernier::Result<void> registerIt(vernier::Host& host) {
 #if defined(PLUGIN_SECOND)
   if (auto r = host.addTechnique(technique("second.own")); !r) return r;
   return host.addTechnique(technique("good.technique"));  // the good plugin has this one
 #else
   if (auto r = host.addTechnique(technique(std::string(PLUGIN_NAME) + ".technique")); !r) return r;
-#if defined(PLUGIN_THROWING)
+#if defined(PLUGIN_PANEL) || defined(PLUGIN_BAD_PANEL) || defined(PLUGIN_SAME_PANEL)
+  return host.addPanel(panel());
+#elif defined(PLUGIN_THROWING)
   throw std::runtime_error("thrown while registering");
 #elif defined(PLUGIN_FAILING)
   return vernier::makeError(vernier::ErrorCode::GlUnavailable, "No graphics here.");

@@ -41,6 +41,9 @@ void makeSamplers(const GladGLContext& gl, unsigned (&samplers)[2][2]) {
     }
 }
 
+// Of OpenGL 4.5 and KHR_robustness; older drivers never give it.
+constexpr GLenum kContextLost = 0x0507;
+
 const char* nameOfError(GLenum e) {
   switch (e) {
     case GL_INVALID_ENUM:
@@ -66,10 +69,15 @@ Result<std::unique_ptr<Device>> Device::make(const DeviceOptions& options) {
     return makeError(ErrorCode::GlUnavailable, "OpenGL is switched off by VERNIER_GL=off.");
   Result<std::unique_ptr<GlContext>> context = makeOsMesaContext(options.osmesaLibrary);
   if (!context) return context.error();
+  return makeOn(std::move(*context), options);
+}
+
+Result<std::unique_ptr<Device>> Device::makeOn(std::unique_ptr<GlContext> context,
+                                               const DeviceOptions& options) {
   std::unique_ptr<Device> device(new Device);
   device->impl_ = std::make_unique<Impl>(options.cacheLimit_bytes);
   Impl& d = *device->impl_;
-  d.core = std::make_shared<Core>(std::move(*context));
+  d.core = std::make_shared<Core>(std::move(context));
   if (Result<void> r = device->adopt(); !r) return r.error();
   if (Result<void> r = d.core->load(); !r) return r.error();
   d.limits = limitsOf(d.core->gl);
@@ -77,6 +85,14 @@ Result<std::unique_ptr<Device>> Device::make(const DeviceOptions& options) {
   makeSamplers(d.core->gl, d.samplers);
   d.core->gl.GenQueries(1, &d.fragmentQuery);
   if (Result<void> r = device->check("making the context"); !r) return r.error();
+  constexpr Format kFloats[] = {Format::Rgba32F, Format::R32F};  // as every pass draws into
+  if (const Result<Target> target = device->target(1, 1, kFloats); !target)
+    return makeError(
+        ErrorCode::GlUnavailable,
+        "OpenGL is not available: this driver cannot draw into float images; update it, or use the native "
+        "engine.",
+        d.limits.renderer);
+  d.counters = {};
   return device;
 }
 
@@ -120,6 +136,9 @@ Result<void> Device::check(const char* where) {
   for (int n = 0; n < 16; ++n) {
     const GLenum e = impl_->core->gl.GetError();
     if (e == GL_NO_ERROR) break;
+    if (e == kContextLost)
+      return makeError(ErrorCode::GlLost, "The OpenGL context was lost: the graphics driver was reset.",
+                       where);
     if (!first) continue;
     if (e == GL_OUT_OF_MEMORY)
       first = makeError(ErrorCode::OutOfMemory,

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "vernier/base/Api.h"
 #include "vernier/base/Result.h"
 
 namespace vernier::gpu {
@@ -18,7 +19,8 @@ class GlContext {
   virtual Proc proc(const char* name) const = 0;
 };
 
-// OpenGL 3.3 core by OSMesa. library: "" tries the usual names.
-Result<std::unique_ptr<GlContext>> makeOsMesaContext(const std::string& library);
+// OpenGL 3.3 core by OSMesa. library: "" tries the usual names. Exported for tests, which put faults in
+// between.
+VERNIER_API Result<std::unique_ptr<GlContext>> makeOsMesaContext(const std::string& library);
 
 }  // namespace vernier::gpu

@@ -22,6 +22,18 @@ Error wrongSize(const char* where, std::uint64_t expected, std::uint64_t got) {
       "The texels are " + std::to_string(got) + " bytes, expected " + std::to_string(expected) + ".", where);
 }
 
+// Asks the driver, without a byte being taken, whether it would make this texture.
+bool hasRoom(const GladGLContext& gl, const FormatInfo& f, int w, int h, int d) {
+  const GLenum proxy = d > 0 ? GL_PROXY_TEXTURE_3D : GL_PROXY_TEXTURE_2D;
+  if (d > 0)
+    gl.TexImage3D(proxy, 0, f.internal, w, h, d, 0, f.layout, f.type, nullptr);
+  else
+    gl.TexImage2D(proxy, 0, f.internal, w, h, 0, f.layout, f.type, nullptr);
+  GLint width = 0;
+  gl.GetTexLevelParameteriv(proxy, 0, GL_TEXTURE_WIDTH, &width);
+  return width == w;
+}
+
 }  // namespace
 
 Result<Texture> Device::makeTexture(Format format, int w, int h, int d, const void* texels) {
@@ -35,6 +47,12 @@ Result<Texture> Device::makeTexture(Format format, int w, int h, int d, const vo
   const FormatInfo f = infoOf(format);
   const GLenum target = d > 0 ? GL_TEXTURE_3D : GL_TEXTURE_2D;
   statePixelStore(gl);
+  if (!hasRoom(gl, f, w, h, d))
+    return makeError(ErrorCode::OutOfMemory,
+                     "The GL driver has no room for a texture of " + sizeText(w, h, d) + " (" +
+                         std::to_string((f.bytes * texelsOf(w, h, d)) >> 20) +
+                         " MiB); use a smaller picture or volume, or the native engine.",
+                     "texture");
   Texture t;
   unsigned id = 0;
   gl.GenTextures(1, &id);

@@ -103,10 +103,9 @@ std::string refusal(const Volume& volume, const TexelCode& code, const Capabilit
   if (!g.even())
     return "The slices are unevenly spaced or have gaps, and a 3-D texture knows even spacing only.";
   const std::int64_t largest = std::max({g.columns, g.rows, g.slices});
-  const std::int64_t limit = c.max3dTexture > 0 ? c.max3dTexture : 2048;
-  if (largest > limit)
+  if (largest > c.max3dTexture)
     return "The volume has " + std::to_string(largest) + " voxels on a side; 3-D textures here take up to " +
-           std::to_string(limit) + ".";
+           std::to_string(c.max3dTexture) + ".";
   if (code.bytes(g) > c.glTextureBudget_bytes)
     return "The volume needs " + std::to_string(code.bytes(g) >> 20) + " MB as a texture and GL may hold " +
            std::to_string(c.glTextureBudget_bytes >> 20) + " MB.";

@@ -194,6 +194,26 @@ std::vector<std::string> elementTexts(std::string_view text, std::string_view ke
   return elements;
 }
 
+std::string withMember(std::string_view text, std::string_view key, std::string_view value) {
+  Walker w(text);
+  w.take('{');
+  bool any = false;
+  while (w.peek() == '"') {
+    any = true;
+    const nlohmann::json name = nlohmann::json::parse(w.value());
+    w.take(':');
+    const std::string_view old = w.value();
+    if (name == key) {
+      const auto at = static_cast<std::size_t>(old.data() - text.data());
+      return std::string(text.substr(0, at)).append(value).append(text.substr(at + old.size()));
+    }
+    w.take(',');
+  }
+  const std::string name = nlohmann::json(key).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  std::string out(text.substr(0, text.rfind('}')));
+  return out.append(any ? "," : "").append(name).append(":").append(value).append("}");
+}
+
 std::string withoutSpace(std::string_view text) {
   std::string out;
   bool inString = false;

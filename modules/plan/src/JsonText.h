@@ -24,4 +24,8 @@ nlohmann::json parseJson(std::string_view text);
 std::vector<std::string> elementTexts(std::string_view text, std::string_view key);
 std::string withoutSpace(std::string_view text);
 
+// The text of the object `text`, which has been parsed before, with `value` under `key`: in the key's place,
+// or at the end. All else stays as it was.
+std::string withMember(std::string_view text, std::string_view key, std::string_view value);
+
 }  // namespace vernier

@@ -18,10 +18,11 @@ struct Candidate {
   bool fixedFunction = false;
 };
 
-// Why a technique is out before it is even asked; "" when it may be asked.
-std::string notAskedFor(const Technique& t, const Quality& quality, const Capabilities& machine) {
-  if (!quality.technique.empty() && t.name != quality.technique)
-    return "the technique " + quality.technique + " was asked for";
+// Why a technique is out before it is even asked; "" when it may be asked. `named`: the technique that was
+// asked for, when it draws layers of this kind; those of other kinds are drawn as if none had been named.
+std::string notAskedFor(const Technique& t, const Technique* named, const Quality& quality,
+                        const Capabilities& machine) {
+  if (named && named != &t) return "the technique " + named->name + " was asked for";
   if (quality.engine == EngineChoice::Native && t.engine != Engine::Native)
     return "it draws with gl, and native was asked for";
   if (quality.engine == EngineChoice::Gl && t.engine != Engine::Gl)
@@ -90,8 +91,13 @@ class Planner {
       reject(t.name, why);
       reasons += (reasons.empty() ? "" : "; ") + t.name + ": " + why;
     };
+    const auto asked = std::find_if(drawing.begin(), drawing.end(), [&](const Technique* t) {
+      return t->name == context_.quality.technique;
+    });
     for (const Technique* t : drawing) {
-      if (std::string why = notAskedFor(*t, context_.quality, context_.capabilities); !why.empty()) {
+      if (std::string why = notAskedFor(*t, asked == drawing.end() ? nullptr : *asked, context_.quality,
+                                        context_.capabilities);
+          !why.empty()) {
         refuse(*t, why);
         continue;
       }
@@ -229,6 +235,15 @@ Result<Plan> makePlan(const Scene& scene, const View& view, const Quality& quali
                      "No technique is called '" + quality.technique +
                          "'; there are: " + (known.empty() ? "none (no plugin is loaded)" : known) + ".");
   }
+  if (const Technique* named = techniques.find(quality.technique)) {
+    const auto draws = [&](const Layer& l) {
+      return std::find(named->kinds.begin(), named->kinds.end(), kindOf(l)) != named->kinds.end();
+    };
+    if (std::none_of(scene.layers.begin(), scene.layers.end(), draws))
+      return makeError(ErrorCode::NoTechnique, "The technique " + named->name +
+                                                   " draws no layer of this scene; ask for "
+                                                   "another one, or for none.");
+  }
   if (Result<void> pairs = checkPairs(scene); !pairs) return pairs.error();
 
   Plan plan;
@@ -256,7 +271,8 @@ std::string pluginOf(const std::string& kind) {
                           {"surface", "surgery"},    {"lens", "lens"}};
   for (const Row& row : rows)
     if (kind == row.kind) return row.plugin;
-  return "";
+  const std::size_t dot = kind.find('.');
+  return dot == std::string::npos ? "" : kind.substr(0, dot);
 }
 
 }  // namespace vernier

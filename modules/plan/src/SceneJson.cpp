@@ -140,4 +140,11 @@ Result<CustomLayer> customLayer(std::string_view json) {
   });
 }
 
+std::optional<std::string> sourceOf(const CustomLayer& layer) {
+  const nlohmann::json value = nlohmann::json::parse(layer.json, nullptr, false);
+  const auto source = value.is_object() ? value.find("source") : value.end();
+  if (source == value.end() || !source->is_string()) return std::nullopt;
+  return source->get<std::string>();
+}
+
 }  // namespace vernier

@@ -33,4 +33,6 @@ std::vector<const Technique*> TechniqueRegistry::drawing(const std::string& kind
   return found;
 }
 
+Result<void> Host::addPanel(Panel) { return {}; }
+
 }  // namespace vernier

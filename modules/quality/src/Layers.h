@@ -16,12 +16,15 @@ class Layers {
   bool covers(glm::dvec2 pixel) const;
 
   struct Prepared {
-    std::variant<SliceReference, ImageReference> layer;
+    std::variant<SliceReference, ImageReference, PixelTruth> layer;
     int samples = 0;
   };
   const std::vector<Prepared>& prepared() const { return layers_; }
 
  private:
+  // The slice or image that shows, under any layers of plugins; how many layers from the bottom were left
+  // out.
+  ReferencePixel ground(glm::dvec2 pixel, std::optional<SliceValue>*, std::size_t& above) const;
   std::vector<Prepared> layers_;
   glm::dvec3 background_{0};
 };

@@ -107,15 +107,19 @@ std::vector<std::size_t> population(const Layers& layers, const View& view) {
   const auto width = static_cast<std::size_t>(view.width_px),
              height = static_cast<std::size_t>(view.height_px);
   std::vector<char> mask(width * height, 0);
+  bool known = false;
   for (const Layers::Prepared& p : layers.prepared()) {
     if (const auto* slice = std::get_if<SliceReference>(&p.layer)) {
       fill(slabOutline(*slice), view, mask);
-    } else {
-      const auto& image = std::get<ImageReference>(p.layer);
-      const glm::dvec2 a = image.least(), b = image.greatest();
+      known = true;
+    } else if (const auto* image = std::get_if<ImageReference>(&p.layer)) {
+      const glm::dvec2 a = image->least(), b = image->greatest();
       fill({a, {b.x, a.y}, b, {a.x, b.y}}, view, mask);
+      known = true;
     }
   }
+  // Where a plugin's layer alone can show something is not known: every pixel counts.
+  if (!known && !layers.prepared().empty()) std::fill(mask.begin(), mask.end(), 1);
   std::vector<std::size_t> out;
   out.reserve(mask.size());
   for (std::size_t y0 = 0; y0 < height; y0 += kTile)

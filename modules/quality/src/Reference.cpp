@@ -26,8 +26,11 @@ Result<Layers> Layers::make(const Scene& scene, const View& view, const Sources&
   if (!(options.step > 0)) return makeError(ErrorCode::SceneInvalid, "The sampling step must be above 0.");
   Layers all;
   all.background_ = glm::dvec3(scene.background.r, scene.background.g, scene.background.b);
-  for (const Layer& layer : scene.layers) {
-    if (const auto* slice = std::get_if<SliceLayer>(&layer)) {
+  for (std::size_t n = 0; n < scene.layers.size(); ++n) {
+    const Layer& layer = scene.layers[n];
+    if (const auto truth = options.truths.find(n); truth != options.truths.end()) {
+      all.layers_.push_back({truth->second, 0});
+    } else if (const auto* slice = std::get_if<SliceLayer>(&layer)) {
       auto r = SliceReference::make(scene, *slice, view, sources);
       if (!r) return r.error();
       const int samples = r->samplesFor(options);
@@ -48,20 +51,31 @@ bool Layers::covers(glm::dvec2 pixel) const {
   for (const Prepared& p : layers_) {
     if (const auto* slice = std::get_if<SliceReference>(&p.layer)) {
       if (slice->covers(pixel, p.samples)) return true;
-    } else if (std::get<ImageReference>(p.layer).value(pixel)) {
-      return true;
+    } else if (const auto* image = std::get_if<ImageReference>(&p.layer)) {
+      if (image->value(pixel)) return true;
     }
   }
   return false;
 }
 
-// Later layers lie over earlier ones, opaque where they have data.
+// Later layers lie over earlier ones: slices and images opaque where they have data, a plugin's as it says.
 ReferencePixel Layers::at(glm::dvec2 pixel, std::optional<SliceValue>* sliceOut) const {
+  std::size_t above = 0;
+  ReferencePixel out = ground(pixel, sliceOut, above);
+  for (; above < layers_.size(); ++above)
+    if (const auto* truth = std::get_if<PixelTruth>(&layers_[above].layer))
+      out.rgba = (*truth)(pixel, out.rgba);
+  return out;
+}
+
+ReferencePixel Layers::ground(glm::dvec2 pixel, std::optional<SliceValue>* sliceOut,
+                              std::size_t& above) const {
   ReferencePixel out;
   out.rgba = glm::dvec4(background_, 1);
   for (auto p = layers_.rbegin(); p != layers_.rend(); ++p) {
     const auto* slice = std::get_if<SliceReference>(&p->layer);
     const auto* image = std::get_if<ImageReference>(&p->layer);
+    if (!slice && !image) continue;
     std::optional<double> v;
     if (slice) {
       const auto s = slice->value(pixel, p->samples);
@@ -75,6 +89,7 @@ ReferencePixel Layers::at(glm::dvec2 pixel, std::optional<SliceValue>* sliceOut)
     out.rgba = glm::dvec4(grey, grey, grey, 1);
     out.value = *v;
     out.covered = true;
+    above = static_cast<std::size_t>(layers_.rend() - p);
     break;
   }
   return out;

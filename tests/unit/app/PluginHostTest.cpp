@@ -10,6 +10,7 @@
 
 #include "TestData.h"
 #include "vernier/plan/MakePlan.h"
+#include "vernier/plan/Plugin.h"
 
 namespace vernier::app {
 namespace {
@@ -19,7 +20,7 @@ class PluginHostTest : public ::testing::Test {
  protected:
   // A plugin folder with the library `library` of tests/plugins-bad and a card; returns the folder.
   fs::path install(const std::string& name, const std::string& library, const std::string& needs = "",
-                   const std::string& interface = "vernier.technique/1") {
+                   const std::string& interface = kPluginInterface) {
     const fs::path folder = dir_.path() / name;
     fs::create_directory(folder);
     fs::copy_file(fs::path(VERNIER_BUILD_DIR) / "tests/plugins-bad" / (library + ".so"),
@@ -81,7 +82,7 @@ TEST_F(PluginHostTest, RefusesDuplicateNameAndDuplicateTechnique) {
   install("zz-second", "second");
   const fs::path copy = install("twin", "good");
   std::ofstream(copy / "plugin.json")
-      << R"({"name":"good","version":"2","interface":"vernier.technique/1","library":"good.so"})";
+      << R"({"name":"good","version":"2","interface":kPluginInterface,"library":"good.so"})";
   host_.load({dir_.path().string()});
   int loaded = 0, duplicates = 0;
   for (const PluginInfo& p : host_.plugins()) {
@@ -164,6 +165,27 @@ TEST_F(PluginHostTest, SwitchesOffAPluginThatThrowsAtWork) {
   EXPECT_EQ(info("worker").state, PluginState::Failed);
   EXPECT_NE(info("worker").reason.find("a bad day"), std::string::npos);
   EXPECT_EQ(t->execute(Pass{}, images, {}).error().code, ErrorCode::PluginFailed);
+}
+
+TEST_F(PluginHostTest, APanelBelongsToItsLayerKind) {
+  install("panel", "panel");
+  ASSERT_EQ(load("panel").state, PluginState::Loaded) << info("panel").reason;
+  ASSERT_NE(host_.panelOf("test-kind"), nullptr);
+  EXPECT_EQ(host_.panelOf("test-kind")->title, "A panel");
+  EXPECT_EQ(host_.panelOf("slice"), nullptr);
+  EXPECT_EQ(info("panel").panels.size(), 1u);
+}
+
+TEST_F(PluginHostTest, RefusesAPanelWithAFaultAndASecondOneForAKind) {
+  install("a-bad", "bad_panel");
+  install("b-first", "panel");
+  install("c-second", "same_panel");
+  EXPECT_EQ(load("a-bad").state, PluginState::RegisterFailed);
+  EXPECT_NE(info("a-bad").reason.find("'on'"), std::string::npos) << info("a-bad").reason;
+  EXPECT_EQ(info("b-first").state, PluginState::Loaded);
+  EXPECT_EQ(info("c-second").state, PluginState::Duplicate);
+  EXPECT_NE(info("c-second").reason.find("A panel for test-kind"), std::string::npos);
+  EXPECT_EQ(host_.techniques().find("same_panel.technique"), nullptr) << "registration is transactional";
 }
 
 TEST_F(PluginHostTest, AMissingFolderIsNoError) {

@@ -63,5 +63,17 @@ TEST_F(SettingsTest, PluginFoldersAreAList) {
   EXPECT_EQ(readSettings({})->pluginFolders, (std::vector<std::string>{"one", "two"}));
 }
 
+TEST_F(SettingsTest, ToldWhetherSettingsCanBeKept) {
+  EXPECT_TRUE(checkSettingsFolder().ok());
+  EXPECT_TRUE(std::filesystem::is_empty(dir_.path())) << "looking creates nothing";
+  ::setenv("XDG_CONFIG_HOME", "/proc/nothing-can-be-made-here", 1);
+  const Result<void> readOnly = checkSettingsFolder();
+  ASSERT_FALSE(readOnly.ok());
+  EXPECT_EQ(readOnly.error().code, ErrorCode::WriteFailed);
+  std::ofstream(dir_.path() / "vernier") << "a file where the folder should be";
+  ::setenv("XDG_CONFIG_HOME", dir_.path().c_str(), 1);
+  EXPECT_FALSE(checkSettingsFolder().ok());
+}
+
 }  // namespace
 }  // namespace vernier::app

@@ -287,6 +287,31 @@ TEST(MakePlan, CustomLayersHaveTechniquesToo) {
   EXPECT_TRUE(plan->rejected.empty()) << "a technique of another kind is no candidate";
 }
 
+TEST(MakePlan, ANamedTechniqueRulesTheLayersThatItDraws) {
+  Scene scene = oneSlice();
+  scene.layers.emplace_back(CustomLayer{"acme.flow", 2, R"({"kind":"acme.flow"})"});
+  Fake flow{"acme.flow.native"};
+  flow.kinds = {"acme.flow"};
+  Quality quality;
+  quality.technique = "mpr.native";
+  const auto plan = planned(scene, quality, software(), registryOf({kNative, kStrips, flow}));
+  ASSERT_TRUE(plan.ok()) << plan.error().text();
+  ASSERT_EQ(plan->passes.size(), 2u);
+  EXPECT_EQ(plan->passes[0].technique, "mpr.native");
+  EXPECT_EQ(plan->passes[1].technique, "acme.flow.native");
+}
+
+TEST(MakePlan, ANamedTechniqueThatDrawsNothingHereIsRefused) {
+  Fake flow{"acme.flow.native"};
+  flow.kinds = {"acme.flow"};
+  Quality quality;
+  quality.technique = "acme.flow.native";
+  const auto plan = planned(oneSlice(), quality, software(), registryOf({kNative, flow}));
+  ASSERT_FALSE(plan.ok());
+  EXPECT_EQ(plan.error().code, ErrorCode::NoTechnique);
+  EXPECT_THAT(plan.error().sentence, HasSubstr("draws no layer of this scene"));
+}
+
 TEST(MakePlan, TwoWholePicturesAreRefused) {
   Scene scene = stackScene("v", 0, {});
   scene.layers.push_back(oneSlice().layers[0]);
@@ -354,6 +379,7 @@ TEST(MakePlan, PluginsOfKinds) {
   EXPECT_EQ(pluginOf("slice"), "mpr");
   EXPECT_EQ(pluginOf("shells"), "angiography");
   EXPECT_EQ(pluginOf("volume"), "dvr");
+  EXPECT_EQ(pluginOf("acme.flow"), "acme");
   EXPECT_EQ(pluginOf("acme"), "");
 }
 

@@ -230,5 +230,51 @@ TEST(Badge, SaysWhenThereIsNothingOrTooLittle) {
   EXPECT_NE(errorSentence(measured(drawn(t), t)).find("99 % sure"), std::string::npos);
 }
 
+// A plugin's layer over the slice: the left half of the picture becomes a mix of 0.25 of what lies below and
+// pure red.
+TEST(Badge, ALayerOfAPluginIsMeasuredAgainstItsOwnTruth) {
+  SliceScene s = phantom(64);
+  const Frame bare = drawn(s);
+  s.scene.layers.emplace_back(CustomLayer{"acme.half", 1, R"({"kind":"acme.half"})"});
+  EXPECT_FALSE(measureError(bare, s.scene, s.view, s.sources).ok())
+      << "without its truth nothing can be said";
+
+  ErrorOptions options;
+  options.samples = 64 * 64;
+  options.reference.truths[1] = [](glm::dvec2 pixel, glm::dvec4 under) {
+    return pixel.x < 32 ? 0.25 * under + 0.75 * glm::dvec4(1, 0, 0, 1) : under;
+  };
+  Frame mixed = bare;
+  for (std::size_t n = 0; n < 64 * 64; ++n)
+    for (std::size_t c = 0; c < 3; ++c)
+      if (float& v = mixed.images.colour[4 * n + c]; n % 64 < 32) v = 0.25f * v + (c == 0 ? 0.75f : 0.0f);
+  const ErrorReport good = measured(mixed, s, options);
+  EXPECT_LT(good.max, 1e-4);
+  EXPECT_EQ(good.population, measured(bare, phantom(64)).population) << "the slice's pixels, no more";
+
+  // The picture without the layer is wrong there by 0.75 of the colour, and nowhere else.
+  const ErrorReport missing = measured(bare, s, options);
+  double expected = 0;
+  for (std::size_t n = 0; n < 64 * 64; ++n) {
+    const float* rgb = &bare.images.colour[4 * n];
+    if (n % 64 < 32) expected = std::max({expected, 0.75 * (1 - rgb[0]), 0.75 * rgb[1], 0.75 * rgb[2]});
+  }
+  EXPECT_NEAR(missing.max, 255 * expected, 0.5);
+  EXPECT_GT(missing.max, 20);
+}
+
+// Without a slice or an image the whole picture counts.
+TEST(Badge, ALayerOfAPluginAloneIsTheWholePicture) {
+  SliceScene s = phantom(16);
+  s.scene.layers = {CustomLayer{"acme.half", 1, R"({"kind":"acme.half"})"}};
+  Frame f;
+  f.images.allocate(16, 16, false);
+  ErrorOptions options;
+  options.reference.truths[0] = [](glm::dvec2, glm::dvec4 under) { return under; };
+  const ErrorReport r = measured(f, s, options);
+  EXPECT_EQ(r.population, 256u);
+  EXPECT_NEAR(r.max, 255 * 0.3, 1e-4) << "the background's blue";
+}
+
 }  // namespace
 }  // namespace vernier::quality

@@ -3,8 +3,9 @@
 // from OSMesa, whose library is loaded only when a Device is made; nothing of Vernier links GL.
 //
 // Threads: a Device belongs to the thread that made it, or to the one that called adopt() after release();
-// any other call is refused. Errors: GlUnavailable (no library, no context), GlFailed (the driver refused
-// something; checked after every batch), OutOfMemory, ShaderInvalid with the driver's own log.
+// any other call is refused. Errors: GlUnavailable (no library, no context, no float images), GlFailed (the
+// driver refused something; checked after every batch), GlLost (the driver was reset: make a new Device; what
+// the old one owned is gone), OutOfMemory, ShaderInvalid with the driver's own log.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -35,10 +36,14 @@ struct Limits {
   std::uint64_t cacheLimit_bytes = 0;  // of DeviceOptions
 };
 
+class GlContext;  // src/GlContext.h
+
 class VERNIER_API Device {
  public:
   // VERNIER_GL=off in the environment refuses, so that a machine without GL can be played.
   static Result<std::unique_ptr<Device>> make(const DeviceOptions& = {});
+  // The same on a context that the caller brings. A driver that cannot draw into float images is refused.
+  static Result<std::unique_ptr<Device>> makeOn(std::unique_ptr<GlContext>, const DeviceOptions& = {});
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;

@@ -24,7 +24,8 @@ VERNIER_API Result<Plan> makePlan(const Scene&, const View&, const Quality&, con
 // The largest error in levels of 255 that a quality asks for; +inf where there is no limit.
 VERNIER_API double errorGoal(const Quality&);
 
-// The plugin that draws a kind: "slice" -> "mpr", "shells" -> "angiography"...; "" for unknown kinds.
+// The plugin that draws a kind: "slice" -> "mpr", "shells" -> "angiography"...; of a plugin's own kinds what
+// stands before the first dot, "acme.flow" -> "acme"; "" for others.
 VERNIER_API std::string pluginOf(const std::string& kind);
 
 }  // namespace vernier

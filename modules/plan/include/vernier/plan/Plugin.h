@@ -12,7 +12,7 @@
 
 namespace vernier {
 // Changes when the meaning of Host or of what it hands over changes.
-inline constexpr const char* kPluginInterface = "vernier.technique/1";
+inline constexpr const char* kPluginInterface = "vernier.technique/2";
 
 extern "C" {
 using PluginTextFn = const char* (*)();

@@ -10,6 +10,7 @@
 // layer of an unknown kind is kept token by token as a CustomLayer and written back unchanged. Pure
 // functions, safe on any thread.
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -27,5 +28,7 @@ VERNIER_API Result<Scene> parseScene(std::string_view json);
 // A layer object of a plugin's own kind, checked and brought into canonical text (no space outside strings).
 // SceneInvalid when it is no object with a `kind` that is a name, or of a kind that this build knows itself.
 VERNIER_API Result<CustomLayer> customLayer(std::string_view json);
+// The volume that a plugin's layer reads: the text under its key `source`. nullopt: it names none.
+VERNIER_API std::optional<std::string> sourceOf(const CustomLayer&);
 
 }  // namespace vernier

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "vernier/base/Result.h"
+#include "vernier/plan/Panel.h"
 #include "vernier/plan/Plan.h"
 #include "vernier/plan/Scene.h"
 #include "vernier/volume/ImageFrame.h"
@@ -42,6 +43,10 @@ struct PlanContext {
   const Sources& sources;
 };
 
+// What a layer shows at a point of the picture (pixels, centres at half-integers), in double, over what lies
+// below it: display-referred RGBA. Called from many threads at once.
+using PixelTruth = std::function<glm::dvec4(glm::dvec2 pixel, glm::dvec4 under)>;
+
 struct Technique {
   std::string name;                // "mpr.native", "mpr.strips", "mpr.polygon", "image.native"
   std::vector<std::string> kinds;  // layer kinds that it draws
@@ -53,6 +58,9 @@ struct Technique {
   // Draws one pass into `images`, adding to its counters. Runs on the render thread; checks the stop token
   // per tile.
   std::function<Result<void>(const Pass&, Images&, std::stop_token)> execute;
+  // For layers of a plugin's own kinds, which module quality does not know: the truth that the picture's
+  // error is measured against. Absent: a picture with such a layer carries no error, and says so. Pure.
+  std::function<Result<PixelTruth>(const Layer&, std::size_t layerIndex, const PlanContext&)> truth;
 };
 
 // What a plugin sees of the program. addTechnique refuses a duplicate name. Registration is transactional:
@@ -61,6 +69,9 @@ class VERNIER_API Host {
  public:
   virtual ~Host() = default;
   virtual Result<void> addTechnique(Technique) = 0;
+  // A panel for a layer kind of the plugin's own (Panel.h); refused when checkPanel does or when the kind has
+  // one. A host without panels takes it and forgets it.
+  virtual Result<void> addPanel(Panel);
   // The GL device of the render thread, made on first use; GlUnavailable with the reason when there is none.
   // To be called inside execute() only.
   virtual Result<gpu::Device*> glDevice() = 0;

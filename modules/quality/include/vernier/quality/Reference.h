@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The truth that pictures are measured against: pixels of a scene in double precision, each on its own, at
-// the pixel's centre. Slices and images only; a scene with any other layer is refused (NotBuiltYet).
+// the pixel's centre. Slices and images, and layers of plugins that bring their own truth; a scene with any
+// other layer is refused (NotBuiltYet).
 //
 // Shares with the engines only the scene, voxel access and the default window: camera and plane geometry,
 // interpolation (GridGeometry.h: true slice positions, gaps, border held for half a voxel, no-data
@@ -16,6 +17,7 @@
 #pragma once
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <optional>
 #include <span>
 #include <stop_token>
@@ -36,6 +38,9 @@ struct ReferenceOptions {
   ErrorKind kind = ErrorKind::Model;
   double step =
       1;  // of Quality, for Implementation: a slab takes ceil(T / (step * smallest spacing)) samples
+  // By the layer's place in the scene: what a plugin says of its own layers (Technique::truth). Such a layer
+  // lies over those before it and adds no pixels to the population, unless the scene has no other layer.
+  std::map<std::size_t, PixelTruth> truths = {};
 };
 
 struct ReferencePixel {

@@ -21,4 +21,28 @@ inline constexpr std::uint64_t kMaxImageRatio = 4096;
 inline constexpr std::uint64_t kAlwaysDecodedBytes = std::uint64_t{64} << 20;
 // Progressive JPEG goes over the whole image for each scan: a small file with very many scans is refused.
 inline constexpr std::uint64_t kMaxJpegScans = 100;
+
+// All of the above, as `vernier doctor` prints them.
+struct Limit {
+  const char* name;
+  std::uint64_t value;
+  const char* unit;  // "bytes", or "" for a count
+};
+inline constexpr Limit kAll[] = {
+    {"rows", kMaxRows, ""},
+    {"columns", kMaxColumns, ""},
+    {"frames", kMaxFrames, ""},
+    {"decoded_frame", kMaxDecodedFrameBytes, "bytes"},
+    {"element_without_pixels", kMaxNonPixelElementBytes, "bytes"},
+    {"header", kMaxHeaderBytes, "bytes"},
+    {"elements", kMaxElements, ""},
+    {"sequence_depth", static_cast<std::uint64_t>(kMaxSequenceDepth), ""},
+    {"files_per_study", kMaxFilesPerStudy, ""},
+    {"inflate_ratio", kMaxInflateRatio, ""},
+    {"inflated", kMaxInflatedBytes, "bytes"},
+    {"fragments", kMaxFragments, ""},
+    {"image_ratio", kMaxImageRatio, ""},
+    {"always_decoded", kAlwaysDecodedBytes, "bytes"},
+    {"jpeg_scans", kMaxJpegScans, ""},
+};
 }  // namespace vernier::limits

@@ -1,0 +1,84 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# check.sh BUILD: makes the packages and proves what they promise, as root, in a root folder that holds nothing but the
+# packages that vernier depends on:
+#   - lintian, desktop-file-validate and appstreamcli find no fault;
+#   - it installs with every dependency met, without OpenGL, OSMesa or GLFW anywhere in sight;
+#   - it finds its plugins, writes a phantom, renders it natively to the very pixels that the build renders outside;
+#   - `doctor` says why there is no OpenGL and no window;
+#   - a user's own plugin can be built against vernier-dev;
+#   - removing it leaves the root folder as it was.
+set -euo pipefail
+build=$(realpath "$1")
+here=$(realpath "$(dirname "$0")")
+[ "$(id -u)" = 0 ] || { echo "check.sh: not tested: needs root for chroot; run ./dev package --check" >&2; exit 77; }
+
+say() { echo "check: $*"; }
+fail() { echo "check: FAILED: $*" >&2; exit 1; }
+
+bash "$here/make.sh" "$build" >/dev/null
+deb=$(ls "$build"/packages/vernier_*.deb)
+dev=$(ls "$build"/packages/vernier-dev_*.deb)
+root=$(mktemp -d "${TMPDIR:-/tmp}/vernier-root.XXXXXX")
+trap 'rm -rf "$root"' EXIT
+chmod 755 "$root"
+
+say "faults that the judges find"
+lintian --allow-root --no-cfg --fail-on error,warning "$deb" "$dev" || fail "lintian"
+unpacked=$root/unpacked
+dpkg-deb -x "$deb" "$unpacked"
+desktop-file-validate "$unpacked"/usr/share/applications/vernier.desktop || fail "desktop file"
+appstreamcli validate --no-net --pedantic "$unpacked"/usr/share/metainfo/vernier.metainfo.xml >"$root/appstream" ||
+  { cat "$root/appstream"; fail "AppStream metainfo"; }
+man -l --warnings "$unpacked"/usr/share/man/man1/vernier.1.gz 2>"$root/man" >/dev/null || true
+[ ! -s "$root/man" ] || { cat "$root/man"; fail "man page"; }
+rm -rf "$unpacked" "$root/appstream" "$root/man"
+
+say "a root folder of nothing but the dependencies"
+mapfile -t packages < <(python3 "$here/closure.py" "$deb" base-files dash coreutils)
+[ ${#packages[@]} -gt 5 ] || fail "no dependencies found"
+mkdir -p "$root"/var/lib/dpkg/{info,updates,triggers} "$root"/{tmp,dev,proc,usr/bin,usr/lib,usr/lib64,usr/sbin}
+for d in bin lib lib64 sbin; do ln -s "usr/$d" "$root/$d"; done
+dpkg-query -s "${packages[@]}" >"$root/var/lib/dpkg/status"
+dpkg-query -L "${packages[@]}" | grep '^/.' | sort -u |
+  sed 's#^/\(bin\|lib\|lib64\|sbin\)/#/usr/\1/#; s#^/##' |
+  grep -v -e '^usr/share/\(doc\|man\|locale\)/' -e '^\(bin\|lib\|lib64\|sbin\)$' |
+  tar -C / --no-recursion --ignore-failed-read -cf - -T - 2>/dev/null | tar -C "$root" -xf -
+say "${#packages[@]} packages, $(du -sm "$root" | cut -f1) MB"
+if find "$root" -name 'libGL.so*' -o -name 'libGLX*' -o -name 'libOSMesa*' -o -name 'libglfw*' -o -name 'libEGL*' |
+  grep .; then fail "the dependencies bring OpenGL or a window"; fi
+list() { (cd "$root" && find . -path ./var/lib/dpkg -prune -o -print | sort); }
+list >"$build/packages/before.txt"
+
+say "installed, run, removed"
+dpkg --root="$root" --log=/dev/null -i "$deb" >"$build/packages/dpkg.log" 2>&1 || { cat "$build/packages/dpkg.log"; fail "dpkg -i"; }
+inside() { env -i PATH=/usr/bin HOME=/tmp LC_ALL=C.UTF-8 chroot "$root" "$@"; }
+inside vernier plugins --json >"$build/packages/plugins.json"
+inside vernier phantom small-ct --out /tmp/study >/dev/null
+inside vernier render /tmp/study --view oblique --size 256x256 --out /tmp/inside.png --report /tmp/inside.json
+inside vernier doctor --json >"$build/packages/doctor.json"
+HOME=$root/tmp "$build/bin/vernier" render "$root/tmp/study" --view oblique --size 256x256 --engine native \
+  --out "$root/tmp/outside.png" --report "$root/tmp/outside.json"
+python3 - "$build/packages" "$root/tmp" <<'PY'
+import json, sys
+packages, tmp = sys.argv[1:]
+load = lambda p: json.load(open(p))
+plugins = load(f"{packages}/plugins.json")["plugins"]
+assert plugins and all(p["state"] == "loaded" for p in plugins), plugins
+doctor = load(f"{packages}/doctor.json")
+assert doctor["native"]["available"] and not doctor["gl"]["available"], doctor["gl"]
+assert "libosmesa6" in doctor["gl"]["why_not"], doctor["gl"]
+assert not doctor["window"]["available"] and doctor["window"]["why_not"], doctor["window"]
+inside, outside = load(f"{tmp}/inside.json"), load(f"{tmp}/outside.json")
+assert inside["engine"]["name"] == "native", inside["engine"]
+assert inside["image"]["sha256"] == outside["image"]["sha256"], (inside["image"], outside["image"])
+assert inside["error"]["bound"] <= 2, inside["error"]
+print(f"check: rendered without OpenGL, 99 % within {inside['error']['bound']:.2g} levels; plugins "
+      + ", ".join(p["name"] for p in plugins))
+PY
+dpkg --root="$root" --log=/dev/null -P vernier >>"$build/packages/dpkg.log" 2>&1 || { cat "$build/packages/dpkg.log"; fail "dpkg -P"; }
+rm -rf "${root:?}"/tmp/*
+list >"$build/packages/after.txt"
+diff "$build/packages/before.txt" "$build/packages/after.txt" || fail "removal left something behind, or took too much"
+say "removal left nothing behind"
+rm -f "$build"/packages/{before.txt,after.txt,plugins.json,doctor.json,dpkg.log}
