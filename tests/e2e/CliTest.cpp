@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "CliFixture.h"
+#include "TestPaths.h"
 
 namespace vernier::test {
 namespace {
