@@ -69,8 +69,8 @@ double offLine_mm(const GridGeometry& grid) {
 }
 
 // What of the acquisition changes what is seen.
-void describeStack(const VolumeInfo& info, const SliceLayer& layer, const SlicePicture& picture,
-                   Annotations& out) {
+// `across`: it is interpolated from slice to slice.
+void describeStack(const VolumeInfo& info, bool across, Annotations& out) {
   const GridGeometry& grid = info.grid;
   const glm::dvec3 normal = stackNormal(grid);
   const glm::dvec3 along = glm::normalize(grid.patientFromVoxel.linear[2]);
@@ -94,11 +94,17 @@ void describeStack(const VolumeInfo& info, const SliceLayer& layer, const SliceP
     out.what.push_back(plain((info.modality == "CT" ? "gantry tilt" : "slices sheared") + tilt,
                              (info.modality == "CT" ? "tilt" : "shear") + tilt));
   }
-  const bool across = std::abs(glm::dot(picture.normal.v, normal)) < 0.9999 || layer.slab.thickness_mm > 0;
   if (across && grid.slices > 1 && grid.spacing_mm().z >= kCoarseStep_mm)
     out.what.push_back(plain("coarse in z"));
   if (const double e_mm = offLine_mm(grid); e_mm > 0)
     out.what.push_back(plain("uneven slices, up to " + fixedDigits(e_mm, 2) + " mm", "uneven slices"));
+}
+
+void describeVolume(const VolumeInfo& info, Interpolation interpolation, bool across, Annotations& out) {
+  if (interpolation == Interpolation::Cubic) out.what.push_back(plain("cubic interpolation", "cubic"));
+  describeStack(info, across, out);
+  if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
+  if (says(info.findings, "quadruped")) out.what.push_back(plain("quadruped: no letters", "quadruped"));
 }
 
 TextLine windowLine(const VoiWindow& w, const std::string& unit, bool inverted) {
@@ -130,9 +136,23 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
     what += " " + name + (number.empty() ? "" : " " + number);
   }
   out.what.push_back(plain(what, method));
-  describeStack(info, layer, picture, out);
-  if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
-  if (says(info.findings, "quadruped")) out.what.push_back(plain("quadruped: no letters", "quadruped"));
+  const bool across = std::abs(glm::dot(picture.normal.v, stackNormal(info.grid))) < 0.9999 ||
+                      layer.slab.thickness_mm > 0;
+  describeVolume(info, layer.interpolation, across, out);
+  out.status.push_back(windowLine(window, info.unit, layer.invert));
+  return out;
+}
+
+Annotations describeCurved(const CurvedLayer& layer, const CurvedPicture& picture, const VolumeInfo& info,
+                           const VoiWindow& window) {
+  Annotations out;
+  if (!says(info.findings, "quadruped")) out.letters = edgeLetters(picture);
+  out.mmPerPixel = picture.mmPerPixel;
+  const std::string method =
+      layer.slab.thickness_mm > 0 ? "curved " + slabName(layer.slab) : std::string("curved MPR");
+  out.what.push_back(
+      plain(method + (layer.form == CurvedForm::Straightened ? ", straightened" : ", stretched"), method));
+  describeVolume(info, layer.interpolation, true, out);
   out.status.push_back(windowLine(window, info.unit, layer.invert));
   return out;
 }
