@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every limit on what a file may ask for, in one place; `vernier doctor` prints them, tests stand at and over each.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 
 namespace vernier::limits {
@@ -11,6 +12,7 @@ inline constexpr std::uint64_t kMaxNonPixelElementBytes = std::uint64_t{64} << 2
 inline constexpr std::uint64_t kMaxHeaderBytes = std::uint64_t{512} << 20;  // everything before the pixel data
 inline constexpr std::uint64_t kMaxElements = 1'000'000;                    // top-level elements of an object
 inline constexpr int kMaxSequenceDepth = 64;
+inline constexpr std::size_t kMaxStacksPerSeries = 2'000;
 inline constexpr std::uint64_t kMaxFilesPerStudy = 200'000;
 inline constexpr std::uint64_t kMaxInflateRatio = 200;  // deflated syntax: output bytes per input byte
 inline constexpr std::uint64_t kMaxInflatedBytes = std::uint64_t{2} << 30;
