@@ -116,12 +116,23 @@ double roundedUp(double x) {
   return std::ceil(x / unit - 1e-9) * unit;
 }
 
+// Where the letters L R A P H F do not apply, the picture says why it has none.
+struct NoLetters {
+  const char *line, *brief;
+};
+std::optional<NoLetters> whyNoLetters(const std::vector<Finding>& findings) {
+  if (says(findings, "quadruped")) return NoLetters{"quadruped: no letters", "quadruped"};
+  if (says(findings, "not-patient-frame"))
+    return NoLetters{"transducer's frame: no letters", "transducer's frame"};
+  return std::nullopt;
+}
+
 }  // namespace
 
 Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, const VolumeInfo& info,
                           const VoiWindow& window) {
   Annotations out;
-  if (!says(info.findings, "quadruped")) out.letters = edgeLetters(picture);
+  if (!whyNoLetters(info.findings)) out.letters = edgeLetters(picture);
   out.mmPerPixel = picture.mmPerPixel;
   std::string what = layer.slab.thickness_mm > 0 ? slabName(layer.slab) : "MPR";
   const std::string method = what;
@@ -132,7 +143,7 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
   out.what.push_back(plain(what, method));
   describeStack(info, layer, picture, out);
   if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
-  if (says(info.findings, "quadruped")) out.what.push_back(plain("quadruped: no letters", "quadruped"));
+  if (const auto why = whyNoLetters(info.findings)) out.what.push_back(plain(why->line, why->brief));
   out.status.push_back(windowLine(window, info.unit, layer.invert));
   return out;
 }
@@ -140,13 +151,13 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
 Annotations describeImage(const ImageLayer& layer, const ImagePicture& picture, const ImageFrameInfo& info,
                           const VoiWindow& window) {
   Annotations out;
-  if (!says(info.findings, "quadruped")) out.letters = edgeLetters(layer, info);
+  if (!whyNoLetters(info.findings)) out.letters = edgeLetters(layer, info);
   // Both together turn the picture by 180 degrees: no mirror image. The letters follow in any case.
   out.flipped = layer.flipHorizontal != layer.flipVertical;
   out.mmPerPixel = picture.mmPerPixel;
   out.what.push_back(plain(std::to_string(info.index + 1) + "/" + std::to_string(info.count)));
   if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
-  if (says(info.findings, "quadruped")) out.what.push_back(plain("quadruped: no letters", "quadruped"));
+  if (const auto why = whyNoLetters(info.findings)) out.what.push_back(plain(why->line, why->brief));
   const auto chosen = layer.voiLut ? static_cast<std::size_t>(*layer.voiLut) : info.voiLuts.size();
   if (chosen < info.voiLuts.size()) {
     const std::string& name = info.voiLuts[chosen].explanation;

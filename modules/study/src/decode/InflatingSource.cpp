@@ -24,7 +24,9 @@ struct InflatingSource::Stream {
   Stream& operator=(const Stream&) = delete;
 };
 
-InflatingSource::InflatingSource(Source& file, std::uint64_t dataSet) : file_(file), dataSet_(dataSet) { restart(); }
+InflatingSource::InflatingSource(Source& file, std::uint64_t dataSet) : file_(file), dataSet_(dataSet) {
+  restart();
+}
 InflatingSource::~InflatingSource() = default;
 
 std::uint64_t InflatingSource::size() const { return end_.value_or(limits::kMaxInflatedBytes); }
@@ -36,7 +38,8 @@ void InflatingSource::restart() {
   window_.clear();
   windowStart_ = 0;
   ended_ = false;
-  if (!stream_->ready) failure_ = makeError(ErrorCode::OutOfMemory, "There is no memory to inflate the data set.");
+  if (!stream_->ready)
+    failure_ = makeError(ErrorCode::OutOfMemory, "There is no memory to inflate the data set.");
 }
 
 bool InflatingSource::more() {
@@ -46,8 +49,9 @@ bool InflatingSource::more() {
     const std::uint64_t left = file_.size() - std::min(file_.size(), packedAt_);
     packed_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(left, kPiece)));
     if (packed_.empty() || !file_.read(packedAt_, packed_)) {
-      failure_ = makeError(ErrorCode::FileDamaged,
-                           "The deflated data is cut short or damaged; fetch the file again from its source.");
+      failure_ =
+          makeError(ErrorCode::FileDamaged,
+                    "The deflated data is cut short or damaged; fetch the file again from its source.");
       return false;
     }
     packedAt_ += packed_.size();
@@ -74,7 +78,8 @@ bool InflatingSource::more() {
                          "The deflated data is cut short or damaged; fetch the file again from its source.");
     return false;
   }
-  if (out > limits::kMaxInflatedBytes || out > std::max<std::uint64_t>(kPiece, in * limits::kMaxInflateRatio) + kPiece) {
+  if (out > limits::kMaxInflatedBytes ||
+      out > std::max(limits::kAlwaysInflatedBytes, in * limits::kMaxInflateRatio)) {
     failure_ = makeError(ErrorCode::LimitExceeded, "The deflated data set grows beyond " +
                                                        std::to_string(limits::kMaxInflateRatio) +
                                                        " times its size, or beyond 2 GiB; it is refused.");
