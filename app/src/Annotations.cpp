@@ -41,7 +41,12 @@ Result<Annotations> describeLayer(Session& session, const ImageLayer& layer, con
   const VoiWindow window = layer.window && usableWindow(*layer.window) ? *layer.window
                            : !info.windows.empty()                     ? info.windows.front()
                                                                        : info.autoWindow;
-  return describeImage(layer, imagePicture(layer, scene.camera, view, **image), info, window);
+  Sources sources;
+  if (const auto state = session.presentation(layer.presentation)) sources.presentations[layer.presentation] = state;
+  const auto state = presentationOf(layer, info, sources);
+  if (!state) return state.error();
+  const FramePresentation* const applied = *state ? &**state : nullptr;
+  return describeImage(layer, imagePicture(layer, scene.camera, view, info, applied), info, window, applied);
 }
 
 Result<void> hatchLayer(Session& session, const Layer& layer, const Scene& scene, const View& view,
@@ -95,9 +100,12 @@ bool showsNothing(const Images& images) {
                                               [](float depth) { return depth == kNothing_mm; });
 }
 
-std::vector<PngText> pngTexts(const Rendered& r) {
+std::vector<PngText> pngTexts(const Scene& scene, const Rendered& r) {
   std::vector<PngText> texts{{"Software", std::string("vernier ") + kVersion + ", not for primary diagnosis"},
                              {"Engine", r.frame.technique + ", " + r.frame.renderer}};
+  for (const Layer& layer : scene.layers)
+    if (const auto* image = std::get_if<ImageLayer>(&layer); image && !image->presentation.empty())
+      texts.push_back({"Presentation", "presentation state " + image->presentation + " applied"});
   if (r.error) texts.push_back({"Error", quality::errorSentence(*r.error)});
   if (!r.goalNote.empty()) texts.push_back({"Goal", r.goalNote});
   return texts;

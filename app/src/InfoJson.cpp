@@ -196,8 +196,35 @@ Json toJson(const StudySet& set, const Series& s) {
   return j;
 }
 
+Json toJson(const StudySet& set, const PresentationState& p) {
+  Json j{{"file", set.files[set.instances[p.instance].file].shown},
+         {"sop_instance_uid", p.sopInstanceUid},
+         {"label", p.label},
+         {"description", p.description}};
+  j["images"] = Json::array();
+  for (const ReferencedImage& r : p.images)
+    j["images"].push_back({{"sop_instance_uid", r.sopInstanceUid}, {"frames", r.frames}});
+  if (!p.whyNot.empty()) j["why_not"] = p.whyNot;
+  j["not_applied"] = p.notApplied;
+  return j;
+}
+
+Json coloursJson(const StudySet& set, std::size_t n, const std::vector<PixelPlace>& places) {
+  const auto facts = colourFacts(set, n, places);
+  if (!facts) return {{"error", toJson(facts.error())}};
+  Json j{{"rgb_mean", facts->rgbMean}};
+  j["probes"] = Json::array();
+  for (std::size_t p = 0; p < places.size(); ++p)
+    j["probes"].push_back({{"row", places[p].row},
+                           {"column", places[p].column},
+                           {"stored", facts->stored[p]},
+                           {"rgb", facts->rgb[p]}});
+  return j;
+}
+
 Json pixelsJson(const StudySet& set, std::size_t n, const std::vector<PixelPlace>& places) {
   const Instance& i = set.instances[n];
+  if (!i.pixelError && i.pixels.samplesPerPixel > 1) return coloursJson(set, n, places);
   const auto facts = pixelFacts(set, n, places);
   if (!facts) return {{"error", toJson(facts.error())}};
   Json j{
@@ -208,6 +235,8 @@ Json pixelsJson(const StudySet& set, std::size_t n, const std::vector<PixelPlace
     j[low] = r->min;
     j[high] = r->max;
   };
+  if (i.palette)
+    if (const auto colours = colourFacts(set, n, {})) j["rgb_mean"] = colours->rgbMean;
   if (i.paddingFirst) j["padding_pixels"] = facts->paddingPixels;
   range(facts->modality, "modality_min", "modality_max");
   range(facts->modalityValid, "modality_min_without_padding", "modality_max_without_padding");
@@ -389,6 +418,8 @@ std::string infoJson(const StudySet& set, const InfoOptions& options) {
                             {"series", s.series}});
   j["series"] = Json::array();
   for (const Series& s : set.series) j["series"].push_back(toJson(set, s));
+  j["presentations"] = Json::array();
+  for (const PresentationState& p : set.presentations) j["presentations"].push_back(toJson(set, p));
   j["findings"] = toJson(set.findings);
   j["objects"] = objectsJson(set, options);
   j["files"] = Json::array();

@@ -145,6 +145,23 @@ void addSeries(const StudySet& set, std::size_t index, std::string& out) {
   addFindings(s.findings, "      ", out);
 }
 
+void addPresentations(const StudySet& set, std::string& out) {
+  std::set<std::string_view> images;
+  if (!set.presentations.empty())
+    for (const Instance& i : set.instances)
+      if (i.isImage) images.insert(i.sopInstanceUid);
+  for (std::size_t n = 0; n < set.presentations.size(); ++n) {
+    const PresentationState& p = set.presentations[n];
+    std::size_t present = 0;
+    for (const ReferencedImage& r : p.images) present += images.count(r.sopInstanceUid);
+    out += "Presentation " + std::to_string(n + 1) + "  " + safe(orDash(p.label)) + "  " +
+           safe(orDash(p.description)) + "  for " + count(p.images.size(), "image") + ", " +
+           std::to_string(present) + " of them here\n";
+    if (!p.whyNot.empty()) out += "    " + p.whyNot + "\n";
+    for (const std::string& what : p.notApplied) out += "    not applied: " + what + "\n";
+  }
+}
+
 }  // namespace
 
 std::string infoText(const StudySet& set) {
@@ -162,6 +179,7 @@ std::string infoText(const StudySet& set) {
       for (const std::size_t s : study.series) addSeries(set, s, out);
     }
   }
+  addPresentations(set, out);
   addFindings(set.findings, "", out);
   std::size_t directories = 0, noObject = 0, notDicom = 0;
   for (const FileRecord& f : set.files) {

@@ -64,7 +64,7 @@ int run(const GlobalOptions& global, const Options& o) {
                                           : finishedPicture(*session, request->scene, request->view,
                                                             *rendered, o.view.maxError, o.scale);
     if (!picture) return report(picture.error());
-    if (const Result<void> r = writePng(o.out, *picture, pngTexts(*rendered)); !r) return report(r.error());
+    if (const Result<void> r = writePng(o.out, *picture, pngTexts(request->scene, *rendered)); !r) return report(r.error());
   }
   if (!o.report.empty()) {
     in.session = session.get();
@@ -97,6 +97,7 @@ Command addRender(CLI::App& app, GlobalOptions& global) {
       "Examples:\n"
       "  vernier render STUDY --view stack --slice 12 --out slice.png\n"
       "  vernier render STUDY --view axial --preset brain --out axial.png --report axial.json\n"
+      "  vernier render STUDY --view stack --presentation 1 --out as-intended.png\n"
       "  vernier render STUDY --view slab --slab 10 --slab-mode max --quality reference --out mip.png\n"
       "  vernier render STUDY --view oblique --plane point=0,0,0,normal=1,0,1,up=0,0,1 --explain\n"
       "  vernier render STUDY --view oblique --plane from=-40,10,0,to=40,-5,20,up=0,0,1 --out plane.png\n"

@@ -178,6 +178,12 @@ Result<std::shared_ptr<const Volume>> Session::volume(const std::string& source,
   return built;
 }
 
+std::shared_ptr<const PresentationState> Session::presentation(const std::string& uid) const {
+  for (const PresentationState& p : impl_->study.presentations)
+    if (!uid.empty() && p.sopInstanceUid == uid) return std::make_shared<PresentationState>(p);
+  return nullptr;
+}
+
 VoiWindow Session::Impl::windowOf(const Volume& volume) {
   const DerivedCache::Key key{"default window", volume.revision(), ""};
   const auto window = derived.get<VoiWindow>(key, [&]() -> Result<DerivedCache::Made<VoiWindow>> {

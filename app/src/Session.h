@@ -74,6 +74,8 @@ class Session {
   Result<std::shared_ptr<const Volume>> volume(const std::string& source, const ProgressFn& = {},
                                                std::stop_token = {});
   Result<std::shared_ptr<const ImageFrame>> image(const std::string& source, std::int64_t index);
+  // A presentation state of the study by its SOP Instance UID; nullptr where there is none.
+  std::shared_ptr<const PresentationState> presentation(const std::string& sopInstanceUid) const;
   VoiWindow defaultWindowOf(
       const Volume&) const;  // the file's, else the automatic one; found once per volume
   Result<std::int64_t> imageCount(const std::string& source) const;

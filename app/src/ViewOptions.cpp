@@ -9,6 +9,7 @@
 #include <map>
 
 #include "OptionChecks.h"
+#include "PresentationOption.h"
 #include "vernier/plan/LinkedViews.h"
 #include "vernier/plan/SceneJson.h"
 #include "vernier/volume/Voi.h"
@@ -227,6 +228,8 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
   auto* window = sub.add_option("--window", o.window, "CENTER,WIDTH in modality values (HU for CT)");
   sub.add_option("--preset", o.preset, "brain subdural stroke lung bone abdomen mediastinum liver")
       ->excludes(window);
+  sub.add_option("--presentation", o.presentation,
+                 "Presentation state to apply to a stored frame: SOP Instance UID or number in `vernier info`");
   sub.add_option("--engine", o.engine, "auto gl native")->check(CLI::IsMember({"auto", "gl", "native"}));
   sub.add_option("--technique", o.technique, "A technique by name, as in `vernier plugins`");
   sub.add_option("--quality", o.quality, "draft review reference")
@@ -256,7 +259,8 @@ Result<void> nothingBesideScene(const ViewOptions& o) {
       {"--slab-mode", !o.slabMode.empty()}, {"--interpolation", !o.interpolation.empty()},
       {"--window", !o.window.empty()},      {"--preset", !o.preset.empty()},
       {"--path", !o.path.empty()},          {"--width", o.width_mm.has_value()},
-      {"--form", !o.form.empty()},          {"--path-up", !o.pathUp.empty()}};
+      {"--form", !o.form.empty()},          {"--path-up", !o.pathUp.empty()},
+      {"--presentation", !o.presentation.empty()}};
   for (const auto& [option, isGiven] : given)
     if (isGiven) return invalid(option, "It goes with --view; a scene file says this itself.");
   return {};
@@ -364,8 +368,12 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
     const auto image = session.image("", index);
     if (!image) return image.error();
     if (const Result<void> r = withPreset((*image)->info().unit); !r) return r.error();
-    return stackScene("", index, p);
+    Scene scene = stackScene("", index, p);
+    std::get<ImageLayer>(scene.layers.at(0)).presentation = o.presentation;
+    return scene;
   }
+  if (!o.presentation.empty())
+    return invalid("--presentation", "A presentation state is for stored frames; it goes with --view stack.");
   const auto volume = session.volume("", progress, stop);
   if (!volume) return volume.error();
   if (const Result<void> r = withPreset((*volume)->info().unit); !r) return r.error();
@@ -385,16 +393,25 @@ Result<void> knownTechnique(Session& session, const std::string& name) {
 
 }  // namespace
 
-Result<RenderRequest> makeRequest(Session& session, const ViewOptions& o, const Settings& settings,
+Result<RenderRequest> makeRequest(Session& session, const ViewOptions& given, const Settings& settings,
                                   const ProgressFn& progress, std::stop_token stop) {
   RenderRequest r;
+  ViewOptions o = given;
   const Result<glm::ivec2> size = parseSize(o.size);
   if (!size) return size.error();
   r.view.width_px = size->x;
   r.view.height_px = size->y;
   if (!session.isMetaImage()) {
-    const Result<StackChoice> choice = session.choose(o.series);
+    Result<StackChoice> choice = session.choose(o.series);
     if (!choice) return choice.error();
+    if (!o.presentation.empty()) {
+      const auto state = choosePresentation(session, o.presentation,
+                                            o.series.empty() ? std::nullopt : std::optional(*choice));
+      if (!state) return state.error();
+      choice = state->stack;
+      o.presentation = state->sopInstanceUid;
+      if (!o.slice) o.slice = state->slice;
+    }
     session.use(*choice);
   } else if (!o.series.empty()) {
     return invalid("--series", "A MetaImage file is one volume and has no series.");

@@ -13,7 +13,7 @@ namespace vernier::app {
 struct ViewOptions {
   std::vector<std::string> inputs;
   std::string view, sceneFile, series;
-  std::string size = "512x512", camera, plane, slabMode, window, preset, interpolation;  // "" = not given
+  std::string size = "512x512", camera, plane, slabMode, window, preset, interpolation, presentation;  // "" = not given
   std::optional<std::int64_t> slice;
   std::optional<double> slab_mm;
   std::string path, form, pathUp;  // of the view curved

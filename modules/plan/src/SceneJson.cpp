@@ -49,7 +49,7 @@ std::string write(const ImageLayer& l) {
              l.voiLut ? cat(", \"voi_lut\": ", std::to_string(*l.voiLut)) : "", ", \"interpolation\": \"",
              nameOf(l.interpolation), "\", \"invert\": ", flag(l.invert),
              ", \"flip_horizontal\": ", flag(l.flipHorizontal), ", \"flip_vertical\": ", flag(l.flipVertical),
-             "}");
+             l.presentation.empty() ? "" : cat(", \"presentation\": ", text(l.presentation)), "}");
 }
 std::string write(const SliceLayer& l) {
   return cat("{\"kind\": \"slice\", \"source\": ", text(l.source),

@@ -221,6 +221,7 @@ ImageLayer readImage(const nlohmann::json& value, const std::string& path) {
   if (o.has("invert")) l.invert = o.flag("invert");
   if (o.has("flip_horizontal")) l.flipHorizontal = o.flag("flip_horizontal");
   if (o.has("flip_vertical")) l.flipVertical = o.flag("flip_vertical");
+  if (o.has("presentation")) l.presentation = o.text("presentation");
   o.refuseOthers();
   return l;
 }

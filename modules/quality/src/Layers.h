@@ -23,7 +23,9 @@ class Layers {
     // A plugin's layer has no value and covers nothing.
     std::optional<SliceValue> value(glm::dvec2 pixel) const;
     bool covers(glm::dvec2 pixel) const;
-    double grey(double modality) const;
+    // What is shown over `background`; nullopt: nothing. The value, where there is one, to `valueOut`.
+    std::optional<glm::dvec3> shown(glm::dvec2 pixel, glm::dvec3 background,
+                                    std::optional<SliceValue>* valueOut) const;
   };
   static Result<Prepared> prepare(const Scene&, const Layer&, const View&, const Sources&,
                                   const ReferenceOptions&);

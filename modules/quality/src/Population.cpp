@@ -147,7 +147,7 @@ std::vector<std::size_t> population(const Layers& layers, const View& view) {
       fillCurved(*curved, view, mask);
       known = true;
     } else if (const auto* image = std::get_if<ImageReference>(&p.layer)) {
-      const glm::dvec2 a = image->least(), b = image->greatest();
+      const auto [a, b] = image->outline();
       fill({a, {b.x, a.y}, b, {a.x, b.y}}, view, mask);
       known = true;
     }

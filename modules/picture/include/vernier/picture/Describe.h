@@ -21,7 +21,7 @@ VERNIER_API Annotations describeSlice(const SliceLayer&, const SlicePicture&, co
 VERNIER_API Annotations describeCurved(const CurvedLayer&, const CurvedPicture&, const VolumeInfo&,
                                        const VoiWindow& window);
 VERNIER_API Annotations describeImage(const ImageLayer&, const ImagePicture&, const ImageFrameInfo&,
-                                      const VoiWindow& window);
+                                      const VoiWindow& window, const FramePresentation* = nullptr);
 
 // "error <= 0.31 of 255 (99 %)", rounded up to two digits; amber when the bound is above the limit.
 VERNIER_API TextLine errorLine(double bound, int confidence_percent, std::optional<double> limit = {});

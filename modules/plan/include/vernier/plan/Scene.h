@@ -57,6 +57,7 @@ struct ImageLayer {
   Interpolation interpolation = Interpolation::Linear;  // of the display zoom: nearest or linear
   bool invert = false;
   bool flipHorizontal = false, flipVertical = false;  // said as FLIPPED on the picture
+  std::string presentation;  // SOP Instance UID of a presentation state to be applied; "": none
   friend bool operator==(const ImageLayer&, const ImageLayer&) = default;
 };
 

@@ -27,6 +27,7 @@ namespace vernier {
 struct Sources {
   std::map<std::string, std::shared_ptr<const Volume>> volumes;
   std::map<std::pair<std::string, std::int64_t>, std::shared_ptr<const ImageFrame>> images;
+  std::map<std::string, std::shared_ptr<const PresentationState>> presentations;  // by SOP Instance UID
 };
 
 // Costs measured on this machine, by technique; without an entry a technique uses its built-in figure.
