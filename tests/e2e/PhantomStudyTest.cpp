@@ -12,7 +12,7 @@
 #include "TestData.h"
 #include "vernier/phantoms/Phantoms.h"
 #include "vernier/study/Load.h"
-#include "vernier/volume/Build.h"
+#include "vernier/volume/VolumeFile.h"
 #include "vernier/volume/Sampling.h"
 
 namespace vernier::test {
@@ -269,7 +269,7 @@ TEST(PhantomStudy, MetaImageEqualsTheDicomVolume) {
   options.format = PhantomFormat::MetaImage;
   const Result<PhantomInfo> info = writePhantom("ct-head", l.dir.path(), options);
   ASSERT_TRUE(info.ok());
-  const auto meta = readMetaImage(info->data.string());
+  const auto meta = readVolumeFile(info->data.string());
   ASSERT_TRUE(meta.ok()) << meta.error().text();
   expectProbes(**meta, l.answers["series"][0]);
 }

@@ -19,11 +19,12 @@ bool says(const std::vector<Finding>& findings, const char* code) {
   return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) { return f.code == code; });
 }
 
-// "axial" for the patient's own planes, "" for others.
-std::string planeName(PatientVec normal) {
+// "axial" for the patient's own planes, "" for others. Of axes that nobody knows only their names are said.
+std::string planeName(PatientVec normal, bool axesKnown) {
   const char* names[] = {"sagittal", "coronal", "axial"};
+  const char* unknown[] = {"yz", "xz", "xy"};
   for (int k = 0; k < 3; ++k)
-    if (std::abs(normal.v[k]) >= 1 - 1e-9) return names[k];
+    if (std::abs(normal.v[k]) >= 1 - 1e-9) return axesKnown ? names[k] : unknown[k];
   return "";
 }
 
@@ -116,23 +117,32 @@ double roundedUp(double x) {
   return std::ceil(x / unit - 1e-9) * unit;
 }
 
+// L R A P H F are said of a person whose axes are known.
+bool lettersHold(const std::vector<Finding>& findings) {
+  return !says(findings, "quadruped") && !says(findings, "axes-unknown");
+}
+void sayWhyNoLetters(const std::vector<Finding>& findings, Annotations& out) {
+  if (says(findings, "quadruped")) out.what.push_back(plain("quadruped: no letters", "quadruped"));
+  if (says(findings, "axes-unknown")) out.what.push_back(plain("axes not known: no letters", "axes not known"));
+}
+
 }  // namespace
 
 Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, const VolumeInfo& info,
                           const VoiWindow& window) {
   Annotations out;
-  if (!says(info.findings, "quadruped")) out.letters = edgeLetters(picture);
+  if (lettersHold(info.findings)) out.letters = edgeLetters(picture);
   out.mmPerPixel = picture.mmPerPixel;
   std::string what = layer.slab.thickness_mm > 0 ? slabName(layer.slab) : "MPR";
   const std::string method = what;
-  if (const std::string name = planeName(picture.normal); !name.empty()) {
+  if (const std::string name = planeName(picture.normal, !says(info.findings, "axes-unknown")); !name.empty()) {
     const std::string number = sliceNumber(info.grid, picture, layer.plane.point);
     what += " " + name + (number.empty() ? "" : " " + number);
   }
   out.what.push_back(plain(what, method));
   describeStack(info, layer, picture, out);
   if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
-  if (says(info.findings, "quadruped")) out.what.push_back(plain("quadruped: no letters", "quadruped"));
+  sayWhyNoLetters(info.findings, out);
   out.status.push_back(windowLine(window, info.unit, layer.invert));
   return out;
 }
@@ -140,13 +150,13 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
 Annotations describeImage(const ImageLayer& layer, const ImagePicture& picture, const ImageFrameInfo& info,
                           const VoiWindow& window) {
   Annotations out;
-  if (!says(info.findings, "quadruped")) out.letters = edgeLetters(layer, info);
+  if (lettersHold(info.findings)) out.letters = edgeLetters(layer, info);
   // Both together turn the picture by 180 degrees: no mirror image. The letters follow in any case.
   out.flipped = layer.flipHorizontal != layer.flipVertical;
   out.mmPerPixel = picture.mmPerPixel;
   out.what.push_back(plain(std::to_string(info.index + 1) + "/" + std::to_string(info.count)));
   if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
-  if (says(info.findings, "quadruped")) out.what.push_back(plain("quadruped: no letters", "quadruped"));
+  sayWhyNoLetters(info.findings, out);
   const auto chosen = layer.voiLut ? static_cast<std::size_t>(*layer.voiLut) : info.voiLuts.size();
   if (chosen < info.voiLuts.size()) {
     const std::string& name = info.voiLuts[chosen].explanation;

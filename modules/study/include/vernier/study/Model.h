@@ -127,7 +127,8 @@ struct Patient {
   std::vector<std::size_t> studies;
 };
 
-enum class FileKind { Image, NonImage, DicomDir, NoSopClass, Unreadable, NotDicom };
+// Volume: no DICOM, but a volume file (volume/VolumeFile.h).
+enum class FileKind { Image, NonImage, DicomDir, NoSopClass, Unreadable, NotDicom, Volume };
 struct FileRecord {
   std::string path;      // to open it
   std::string shown;     // relative to what the user named
