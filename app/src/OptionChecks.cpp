@@ -71,7 +71,7 @@ Result<void> keepSources(const Session* session, const std::vector<std::string>&
   bool hit = std::any_of(inputs.begin(), inputs.end(), same);
   if (session) {
     for (const FileRecord& f : session->study().files) hit = hit || same(f.path);
-    for (const VolumeFile& v : session->volumeFiles()) hit = hit || (v.facts && same(v.facts->dataPath));
+    for (const VolumeFile& v : session->volumeFiles()) hit = hit || (v.facts && same(v.facts->dataFile.path));
   }
   if (hit)
     return makeError(ErrorCode::WouldOverwriteSource,

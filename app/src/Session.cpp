@@ -47,12 +47,13 @@ const Panel* Session::panelOf(const std::string& kind) const { return impl_->plu
 CostTable& Session::costs() { return impl_->costs; }
 MemoryBudget& Session::budget() { return impl_->budget; }
 void Session::use(StackChoice c) { impl_->chosen = c; }
-void Session::chooseFrame(std::optional<std::int64_t> frame) {
-  if (impl_->fileFrame != frame) {
+void Session::readVolumeFilesWith(std::optional<std::int64_t> frame, std::optional<double> zSpan) {
+  if (impl_->fileFrame != frame || impl_->zSpan != zSpan) {
     impl_->volumes.clear();
     impl_->images.clear();
   }
   impl_->fileFrame = frame;
+  impl_->zSpan = zSpan;
 }
 void Session::bridgeGaps(bool on) {
   if (impl_->bridge != on) impl_->volumes.clear();
@@ -181,6 +182,7 @@ Result<std::shared_ptr<const Volume>> Session::volume(const std::string& source,
   options.budget = &impl_->budget;
   options.bridgeGaps = impl_->bridge;
   options.frame = impl_->fileFrame;
+  options.zSpan = impl_->zSpan;
   const VolumeFile* const file = volumeFileOf(*c);
   Result<std::shared_ptr<const Volume>> built =
       file ? readVolumeFile(impl_->study.files[file->file], options, progress, stop)

@@ -82,7 +82,8 @@ class Session {
       const Volume&) const;  // the file's, else the automatic one; found once per volume
   Result<std::int64_t> imageCount(const std::string& source) const;
   void bridgeGaps(bool);
-  void chooseFrame(std::optional<std::int64_t>);  // of volume files that hold several volumes
+  // Of volume files: which of several volumes; of lists of images: the span of all slices (BuildOptions).
+  void readVolumeFilesWith(std::optional<std::int64_t> frame, std::optional<double> zSpan);
   // What source "" stands for, once chosen: a stack of a series, or a volume file; nullptr for the other and before.
   const Series* chosenSeries() const;
   const Stack* chosenStack() const;

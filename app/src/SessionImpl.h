@@ -64,7 +64,8 @@ struct Session::Impl {
   std::vector<VolumeFile> volumeFiles;
   std::optional<StackChoice> chosen;
   bool bridge = false;
-  std::optional<std::int64_t> fileFrame;  // of volume files that hold several volumes
+  std::optional<std::int64_t> fileFrame;
+  std::optional<double> zSpan;
   std::map<StackChoice, std::shared_ptr<const Volume>> volumes;
   std::map<std::pair<StackChoice, std::int64_t>, std::shared_ptr<const ImageFrame>> images;
   std::optional<Capabilities> capabilities;

@@ -15,7 +15,7 @@ struct ViewOptions {
   std::string view, sceneFile, series;
   std::string size = "512x512", camera, plane, slabMode, window, preset, interpolation;  // "" = not given
   std::optional<std::int64_t> slice, frame;
-  std::optional<double> slab_mm;
+  std::optional<double> slab_mm, zSpan;
   std::string engine, technique, quality = "review";
   std::optional<double> maxError, minFps;
   int errorSamples = 1024;

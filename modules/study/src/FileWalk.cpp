@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <set>
 
+#include "vernier/study/Archive.h"
+#include "vernier/study/Files.h"
 #include "vernier/study/Limits.h"
 
 namespace vernier {
@@ -53,9 +55,31 @@ class Walk {
     if (!firstTime(named)) return;
     add(named, named.filename().string());
     files.back().bytes = bytes;
+    std::byte head[4];
+    const auto input = openInput(files.back());
+    if (input && (*input)->read(0, head) && looksLikeArchive(head)) unpack(*input);
   }
 
  private:
+  // The last file is an archive: its entries take its place.
+  void unpack(const std::shared_ptr<const InputFile>& input) {
+    const FileRecord named = files.back();
+    auto archive = Archive::open(input, named.shown);
+    if (!archive) {
+      files.back().kind = FileKind::Unreadable;
+      files.back().error = archive.error();
+      return;
+    }
+    files.pop_back();
+    for (std::size_t n = 0; n < (*archive)->entries().size(); ++n) {
+      const Archive::Entry& e = (*archive)->entries()[n];
+      add(named.path, e.name.substr(e.name.rfind('/') + 1), e.error);
+      files.back().bytes = e.bytes;
+      files.back().archive = *archive;
+      files.back().entry = n;
+    }
+  }
+
   // True for a folder that is to be read.
   bool entry(const fs::path& p, const std::string& shown) {
     struct stat own {

@@ -17,6 +17,7 @@
 #include "vernier/base/Guarded.h"
 #include "vernier/base/Threads.h"
 #include "vernier/base/Trace.h"
+#include "vernier/study/Archive.h"
 #include "vernier/study/Load.h"
 
 namespace vernier {
@@ -35,12 +36,21 @@ bool isDirectory(const Header& h) {
   return media && rawText(h, *media) == kDirectoryClass;
 }
 
+// An archive is opened when it is named itself; what stands in a folder or in another archive may be a bomb of many.
+Error leftPacked(const FileRecord& file) {
+  if (file.archive)
+    return makeError(ErrorCode::FormatUnknown,
+                     "An archive inside an archive is not opened; unpack the outer one and open this one by itself.");
+  return makeError(ErrorCode::FormatUnknown, "An archive in a folder is not opened; open it by itself.");
+}
+
 Result<void> readInto(FileRecord& file, Scanned& out, bool resolveDirectory) {
-  auto source = openFileSource(file.path);
+  auto source = openSource(file);
   if (!source) {
     file.kind = FileKind::Unreadable;
     return source.error();
   }
+  if ((*source)->ensure(4) && looksLikeArchive((*source)->bytes())) return leftPacked(file);
   auto header = readHeader(**source);
   if (!header) {
     file.kind = header.error().code == ErrorCode::NotDicom ? FileKind::NotDicom : FileKind::Unreadable;
@@ -219,7 +229,7 @@ Result<StudySet> scanGuarded(const std::vector<std::string>& paths, const Progre
   set.files = std::move(*files);
   std::vector<Scanned> scanned;
   const auto cancelled = makeError(ErrorCode::Cancelled, "The scan was cancelled.");
-  const bool single = set.files.size() == 1 && !std::filesystem::is_directory(paths[0]);
+  const bool single = set.files.size() == 1 && !set.files[0].archive && !std::filesystem::is_directory(paths[0]);
   if (!scanAll(set.files, scanned, single, progress, stop)) return cancelled;
   if (single && scanned[0].directory) {
     // A DICOMDIR opened by itself: its files are the study.

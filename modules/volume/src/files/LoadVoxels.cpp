@@ -22,9 +22,9 @@ constexpr std::size_t kPiece = std::size_t{4} << 20;
 constexpr std::uint64_t kMostDeflate = 1032, kMostBzip2 = 1 << 16;
 
 // Bytes of voxels that so many bytes of a file can hold.
-std::uint64_t mostBytes(Packing packing, std::uint64_t left, std::size_t width) {
+std::uint64_t mostBytes(const VoxelPlace& place, std::uint64_t left) {
   const std::uint64_t n = std::min(left, std::uint64_t{1} << 46);
-  switch (packing) {
+  switch (place.packing) {
     case Packing::Raw:
       return left;
     case Packing::Gzip:
@@ -32,7 +32,9 @@ std::uint64_t mostBytes(Packing packing, std::uint64_t left, std::size_t width) 
     case Packing::Bzip2:
       return n * kMostBzip2;
     case Packing::Text:
-      return (n + 1) / 2 * width;  // a digit and a blank
+      return (n + 1) / 2 * bytesOf(place.type);  // a digit and a blank
+    case Packing::Other:
+      return place.mostBytes;
   }
   return 0;
 }
@@ -153,7 +155,7 @@ class Loader {
     if (p.offset > has) return shortData(need, 0, p.file.shown);
     const std::uint64_t left = has - p.offset;
     const bool raw = p.packing == Packing::Raw;
-    const std::uint64_t most = mostBytes(p.packing, left, bytesOf(p.type));
+    const std::uint64_t most = mostBytes(p, left);
     if (p.skip > most || most - p.skip < need) return shortData(need, raw && left > p.skip ? left - p.skip : left, p.file.shown);
     if (raw && left - p.skip > need) bytesAfter(left - p.skip - need);
     return {};
@@ -320,6 +322,8 @@ std::unique_ptr<ByteStream> openStream(const InputFilePtr& file, const VoxelPlac
       return bzip2Stream(file, p.offset);
     case Packing::Text:
       return textStream(file, p.offset, p.type);
+    case Packing::Other:
+      return p.open(file);
     case Packing::Raw:
       break;
   }

@@ -17,8 +17,8 @@ std::size_t bytesOf(FileType);
 const char* nameOf(FileType);         // "uint8", "float64"
 VoxelType voxelTypeOf(FileType);      // what becomes of it in memory
 
-// Text: decimal numbers between blanks and commas.
-enum class Packing { Raw, Gzip, Bzip2, Text };
+// Text: decimal numbers between blanks and commas. Other: VoxelPlace::open knows.
+enum class Packing { Raw, Gzip, Bzip2, Text, Other };
 
 // Where the voxels stand: all slices one after the other, columns fastest.
 struct VoxelPlace {
@@ -30,6 +30,9 @@ struct VoxelPlace {
   std::uint64_t skip = 0;  // bytes to pass over once unpacked
   FileType type = FileType::U8;
   bool bigEndian = false;
+  // Packing::Other: the unpacked bytes of all voxels, and how many the file can hold at most.
+  std::function<std::unique_ptr<ByteStream>(const InputFilePtr&)> open;
+  std::uint64_t mostBytes = 0;
 };
 
 // A header that was read and found usable. The frame's bytes follow from facts.info.grid and place.type.

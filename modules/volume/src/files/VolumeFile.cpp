@@ -3,14 +3,18 @@
 #include "vernier/volume/VolumeFile.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <filesystem>
 
+#include "files/ImageList.h"
+#include "files/Affine.h"
 #include "files/LoadVoxels.h"
 #include "files/MetaHeader.h"
 #include "files/Nifti.h"
 #include "files/Nrrd.h"
+#include "files/Sidecar.h"
+#include "files/Vti.h"
+#include "files/TextParts.h"
 #include "vernier/base/Checked.h"
 #include "vernier/base/Guarded.h"
 #include "vernier/base/Threads.h"
@@ -36,19 +40,21 @@ std::string titleOf(const FileRecord& file) {
 
 Error formatUnknown(const FileRecord& file) {
   return makeError(ErrorCode::FormatUnknown,
-                   "The file is neither DICOM nor of a volume format that is read (NIfTI, NRRD, MetaImage).", file.shown);
+                   "The file is neither DICOM nor of a volume format that is read (NIfTI, NRRD, MetaImage, VTK image, "
+                   "raw with a JSON file, list of images).",
+                   file.shown);
 }
 
 // The file of a pair with the other extension: .hdr and .img, .hdr.gz and .img.gz, in the same case.
 Result<FileRecord> otherOfPair(const FileRecord& file, const char* lower, const char* upper) {
-  fs::path name = fs::path(file.path).filename();
+  fs::path name = fs::path(file.shown).filename();
   std::string gz;
   if (const std::string e = name.extension().string(); e == ".gz" || e == ".GZ") {
     gz = e;
     name.replace_extension();
   }
   const std::string own = name.extension().string();
-  const bool isUpper = own.size() > 1 && std::isupper(static_cast<unsigned char>(own[1]));
+  const bool isUpper = own.size() > 1 && own[1] >= 'A' && own[1] <= 'Z';
   name.replace_extension(isUpper ? upper : lower);
   return besideFile(file, name.string() + gz);
 }
@@ -79,6 +85,8 @@ Result<std::vector<std::byte>> firstBytes(const InputFilePtr& file, bool packed,
   return head;
 }
 
+Result<ParsedVolume> parsePart(const FileRecord& file);
+
 Result<ParsedVolume> parseAny(const FileRecord& file) {
   auto input = openInput(file);
   if (!input) return input.error();
@@ -91,16 +99,26 @@ Result<ParsedVolume> parseAny(const FileRecord& file) {
   }
   if (looksLikeNifti(*head)) return parseNiftiFile(file, *head, false);
   if (looksLikeNrrd(textOf(*head))) return parseNrrd(file, textOf(*head));
+  if (looksLikeVti(textOf(*head))) return parseVti(file, *input);
   auto meta = parseMetaImage(file, textOf(*head));
   if (meta || meta.error().code != ErrorCode::FormatUnknown) return meta;
-  // The other half of a pair has no mark of its own.
-  std::string e = fs::path(file.path).extension().string();
-  std::transform(e.begin(), e.end(), e.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (e == ".img")
-    if (auto header = otherOfPair(file, ".hdr", ".HDR"); header && header->bytes > 0) {
-      auto pair = parseAny(*header);
-      if (pair || pair.error().code != ErrorCode::FormatUnknown) return pair;
-    }
+  if (looksLikeSidecar(textOf(*head))) return parseSidecar(file, textOf(*head));
+  if (looksLikeImageList(file, textOf(*head))) return parseImageList(file, *input);
+  return parsePart(file);
+}
+
+// Voxels have no mark of their own: the header of a NIfTI pair or a JSON file beside them may speak of them.
+Result<ParsedVolume> parsePart(const FileRecord& file) {
+  const std::string name = fs::path(file.shown).filename().string();
+  const std::string ending = lowerCase(fs::path(name).extension().string());
+  std::vector<Result<FileRecord>> headers;
+  if (ending == ".img") headers.push_back(otherOfPair(file, ".hdr", ".HDR"));
+  if (ending == ".raw" || ending == ".bin" || ending == ".dat") headers.push_back(besideFile(file, name + ".json"));
+  for (const auto& header : headers) {
+    if (!header || header->bytes == 0) continue;
+    auto whole = parseAny(*header);
+    if (whole || whole.error().code != ErrorCode::FormatUnknown) return whole;
+  }
   return formatUnknown(file);
 }
 
@@ -112,7 +130,7 @@ Result<ParsedVolume> parse(const FileRecord& file) {
     return e;
   }
   p->facts.info.title = titleOf(file);
-  p->facts.dataPath = p->place.file.path;
+  p->facts.dataFile = p->place.file;
   return p;
 }
 
@@ -136,6 +154,16 @@ Result<void> chooseFrame(ParsedVolume& p, const std::optional<std::int64_t>& fra
   return {};
 }
 
+Result<void> chooseSpan(ParsedVolume& p, const std::optional<double>& zSpan) {
+  if (!zSpan) return {};
+  if (p.facts.format != "image list")
+    return makeError(ErrorCode::OptionInvalid, "It is said of lists of images; other files state their own geometry.",
+                     "--z-span");
+  spanSlices(p.facts.info.grid, *zSpan);
+  std::erase_if(p.facts.info.findings, [](const Finding& f) { return f.code == "spacing-assumed"; });
+  return settleAxes(p.facts.info.grid);
+}
+
 }  // namespace
 
 Result<VolumeFileFacts> readVolumeFacts(const FileRecord& file) {
@@ -149,6 +177,7 @@ Result<std::shared_ptr<const Volume>> readVolumeFile(const FileRecord& file, con
   auto p = parse(file);
   if (!p) return p.error();
   if (auto ok = chooseFrame(*p, options.frame, file.shown); !ok) return ok.error();
+  if (auto ok = chooseSpan(*p, options.zSpan); !ok) return ok.error();
   return guarded("read volume file", [&] { return loadVoxels(std::move(*p), options, progress, stop); });
 }
 
@@ -177,7 +206,9 @@ std::vector<VolumeFile> findVolumeFiles(StudySet& set) {
   // The .img of a pair is a part of its .hdr, which stands in the list too.
   const auto isPart = [&](const VolumeFile& v) {
     return std::any_of(all.begin(), all.end(), [&](const VolumeFile& o) {
-      return o.file != v.file && o.facts && o.facts->dataPath == set.files[v.file].path;
+      if (o.file == v.file || !o.facts) return false;
+      const FileRecord &data = o.facts->dataFile, &own = set.files[v.file];
+      return data.path == own.path && data.archive == own.archive && data.entry == own.entry;
     });
   };
   std::vector<bool> drop(all.size());

@@ -24,7 +24,8 @@ class InputFile {
 // A record for a file that the user names: path, shown (its last part) and size. FileNotFound, NotAFile.
 VERNIER_API Result<FileRecord> recordOf(const std::string& path);
 
-// FileNotFound or NotAFile (a folder, device, pipe or socket is not opened), with FileRecord::shown as `where`.
+// FileNotFound or NotAFile (a folder, device, pipe or socket is not opened), with FileRecord::shown as `where`. An
+// entry of an archive is unpacked to memory as far as somebody reads.
 VERNIER_API Result<std::shared_ptr<const InputFile>> openInput(const FileRecord&);
 
 // The record of the file that a header names, which must lie in or below the header's own folder: absolute names,

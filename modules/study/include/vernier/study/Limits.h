@@ -45,4 +45,13 @@ inline constexpr Limit kAll[] = {
     {"always_decoded", kAlwaysDecodedBytes, "bytes"},
     {"jpeg_scans", kMaxJpegScans, ""},
 };
+// ZIP archives, which are unpacked to memory: entries, bytes of one entry and of all, and how often the packed bytes
+// an entry or the whole may become. Masks pack denser than images, so a ratio counts only beyond a size that is
+// granted to everybody.
+inline constexpr std::uint64_t kMaxArchiveEntries = kMaxFilesPerStudy;
+inline constexpr std::uint64_t kMaxArchiveEntryBytes = std::uint64_t{2} << 30;
+inline constexpr std::uint64_t kMaxArchiveBytes = std::uint64_t{32} << 30;
+inline constexpr std::uint64_t kMaxArchiveRatio = 200;
+inline constexpr std::uint64_t kArchiveEntryAlwaysBytes = std::uint64_t{64} << 20;
+inline constexpr std::uint64_t kArchiveAlwaysBytes = std::uint64_t{256} << 20;
 }  // namespace vernier::limits

@@ -3,6 +3,7 @@
 // pixels. Lengths mm, positions LPS. Rules: DICOM PS3.3; grouping, splitting and geometry as docs/studies.md states.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,8 @@
 #include "vernier/study/FrameSpec.h"
 
 namespace vernier {
+
+class Archive;
 
 struct ModalityRescale {
   double slope = 1, intercept = 0;
@@ -130,8 +133,10 @@ struct Patient {
 // Volume: no DICOM, but a volume file (volume/VolumeFile.h).
 enum class FileKind { Image, NonImage, DicomDir, NoSopClass, Unreadable, NotDicom, Volume };
 struct FileRecord {
-  std::string path;      // to open it
-  std::string shown;     // relative to what the user named
+  std::string path;      // to open it; of an entry of an archive: the archive's
+  std::string shown;     // relative to what the user named; of an entry: its last part
+  std::shared_ptr<const Archive> archive;  // nullptr: the file itself
+  std::size_t entry = 0;                   // which of Archive::entries()
   std::uint64_t bytes = 0;
   FileKind kind = FileKind::NotDicom;
   std::optional<Error> error;  // one sentence and a next step

@@ -21,6 +21,8 @@ struct BuildOptions {
   MemoryBudget* budget = nullptr;
   // Of a volume file that holds several volumes (4-D): the one to read, counted from 0.
   std::optional<std::int64_t> frame;
+  // Of a list of images: the length that all slices span together, in the unit of the pixel size (mm).
+  std::optional<double> zSpan;
 };
 
 // Decodes a stack that passed 3-D validation; GeometryRefused with the stack's reason otherwise. Voxels keep

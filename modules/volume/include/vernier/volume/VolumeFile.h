@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Volume files that are no DICOM objects: NIfTI, MetaImage (docs/files.md lists the formats, their rules and limits).
+// Volume files that are no DICOM objects: NIfTI, NRRD, MetaImage, VTK image data, raw with a JSON file, lists of images
+// (docs/files.md has their rules and limits).
 // A file is known by its first bytes; its name decides only where several formats begin alike. Affines are turned to
 // LPS mm exactly (oblique, sheared and left-handed ones too). What values mean is never guessed: the unit is "stored
 // value" unless the file states one. Where a file does not say what its axes mean, the volume carries the finding
@@ -18,10 +19,10 @@ namespace vernier {
 
 // What the header of a volume file says, without its voxels.
 struct VolumeFileFacts {
-  std::string format;      // "NIfTI-1", "NIfTI-2", "MetaImage"
+  std::string format;      // "NIfTI-1", "NIfTI-2", "NRRD", "MetaImage", "VTK image", "raw", "image list"
   std::string storedType;  // type of a value in the file: "int16", "float64"
   std::int64_t frames = 1;  // volumes in the file; of more than one, BuildOptions::frame names the one to read
-  std::string dataPath;     // the file that the voxels stand in: the file itself, or one beside it
+  FileRecord dataFile;      // that the voxels stand in: the file itself, or one beside it
   VolumeInfo info;         // grid, type in memory, rescale, unit, windows, title and findings of the header
 };
 
