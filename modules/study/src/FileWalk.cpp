@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 class Walk {
  public:
   std::vector<FileRecord> files;
-  bool tooMany = false;
+  bool tooMany = false, unpacks = true;
 
   void folder(const fs::path& named) {
     std::error_code ec;
@@ -57,7 +57,7 @@ class Walk {
     files.back().bytes = bytes;
     std::byte head[4];
     const auto input = openInput(files.back());
-    if (input && (*input)->read(0, head) && looksLikeArchive(head)) unpack(*input);
+    if (unpacks && input && (*input)->read(0, head) && looksLikeArchive(head)) unpack(*input);
   }
 
  private:
@@ -135,8 +135,9 @@ class Walk {
 
 }  // namespace
 
-Result<std::vector<FileRecord>> walkFiles(const std::vector<std::string>& paths) {
+Result<std::vector<FileRecord>> walkFiles(const std::vector<std::string>& paths, bool unpack) {
   Walk walk;
+  walk.unpacks = unpack;
   for (const std::string& path : paths) {
     const std::string name = fs::path(path).filename().string();
     struct stat s {};

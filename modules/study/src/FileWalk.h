@@ -11,6 +11,7 @@ namespace vernier {
 
 // FileRecords with path, shown and bytes; a device, pipe, socket, outward link or unreadable folder carries
 // its error. Fails when a named path does not exist, is no file or folder, or when there are too many files.
-Result<std::vector<FileRecord>> walkFiles(const std::vector<std::string>& paths);
+// `unpack`: whether archives that are named are opened.
+Result<std::vector<FileRecord>> walkFiles(const std::vector<std::string>& paths, bool unpack = true);
 
 }  // namespace vernier

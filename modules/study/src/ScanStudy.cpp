@@ -60,7 +60,7 @@ Result<void> readInto(FileRecord& file, Scanned& out, bool resolveDirectory) {
   if (isDirectory(h)) {
     file.kind = FileKind::DicomDir;
     out.directory =
-        readDicomDir(h, resolveDirectory ? std::filesystem::path(file.path).parent_path().string() : "");
+        readDicomDir(h, std::filesystem::path(file.path).parent_path().string(), resolveDirectory);
     if (h.damage) return *h.damage;
     return {};
   }
@@ -200,11 +200,12 @@ void fillStacks(const std::vector<Record>& records, Series& series) {
 void reportDirectories(const std::vector<const DicomDirIndex*>& directories, bool resolved, StudySet& set) {
   if (directories.empty()) return;
   std::map<std::string, double> records;
-  double referenced = 0, present = 0;
+  double referenced = 0, present = 0, outside = 0;
   for (const DicomDirIndex* d : directories) {
     for (const auto& [type, n] : d->records) records[type] += static_cast<double>(n);
     referenced += static_cast<double>(d->referenced);
     present += static_cast<double>(d->present);
+    outside += static_cast<double>(d->outside);
   }
   const auto text = [](double n) { return std::to_string(static_cast<std::uint64_t>(n)); };
   Finding f{"dicomdir", Severity::Info, "", {}};
@@ -213,10 +214,14 @@ void reportDirectories(const std::vector<const DicomDirIndex*>& directories, boo
                                : text(static_cast<double>(directories.size())) + " DICOMDIRs name ") +
       text(referenced) + " files" +
       (resolved ? ", " + text(present) + " of which are there." : "; in a folder the files themselves rule.");
+  if (outside > 0) f.sentence += " " + text(outside) + " lie outside its folder and were not looked for.";
   for (const auto& [type, n] : records) f.numbers["records_" + type] = n;
   f.numbers["directories"] = static_cast<double>(directories.size());
   f.numbers["referenced_files"] = referenced;
-  if (resolved) f.numbers["referenced_files_present"] = present;
+  if (resolved) {
+    f.numbers["referenced_files_present"] = present;
+    f.numbers["referenced_files_outside"] = outside;
+  }
   set.findings.push_back(std::move(f));
 }
 
@@ -234,7 +239,7 @@ Result<StudySet> scanGuarded(const std::vector<std::string>& paths, const Progre
   if (single && scanned[0].directory) {
     // A DICOMDIR opened by itself: its files are the study.
     const DicomDirIndex index = *scanned[0].directory;
-    auto named = walkFiles(index.files);
+    auto named = walkFiles(index.files, false);
     if (!named) return named.error();
     const std::string base = std::filesystem::path(set.files[0].path).parent_path().string();
     for (FileRecord& f : *named) f.shown = std::filesystem::path(f.path).lexically_relative(base).string();

@@ -98,6 +98,8 @@ Result<PictureFacts> factsOf(TIFF* t) {
   f.whiteIsZero = photometric == PHOTOMETRIC_MINISWHITE;
   if (!TIFFIsCODECConfigured(field<std::uint16_t>(t, TIFFTAG_COMPRESSION, COMPRESSION_NONE)))
     return notRead("of this compression");
+  if (field<std::uint16_t>(t, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) != ORIENTATION_TOPLEFT)
+    return notRead("that ask to be turned (Orientation)");
   if (!TIFFLastDirectory(t)) return notRead("of several pages");
   return f;
 }
