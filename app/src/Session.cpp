@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <tuple>
 
 #include "SessionImpl.h"
 #include "vernier/base/Threads.h"
@@ -10,6 +11,12 @@
 
 namespace vernier::app {
 namespace {
+
+// Segmentations and doses lie over pictures; they come first only where there is nothing else.
+bool isPicture(const StudySet& study, const Stack& stack) {
+  const Instance& i = study.instances[stack.slices.front().instance];
+  return i.segmentation == SegmentationKind::None && i.modality != "RTDOSE";
+}
 
 std::optional<std::size_t> positiveNumber(std::string_view text) {
   std::size_t n = 0;
@@ -105,9 +112,9 @@ namespace {
 // The largest that can be shown in 3-D, else the largest image stack; of equals the first.
 std::optional<StackChoice> largest(const StudySet& study, const std::vector<VolumeFile>& volumeFiles) {
   std::optional<StackChoice> best;
-  std::pair<bool, std::int64_t> bestRank;
-  const auto offer = [&](StackChoice c, bool volume3d, std::int64_t slices) {
-    const std::pair<bool, std::int64_t> rank{volume3d, slices};
+  std::tuple<bool, bool, std::int64_t> bestRank;
+  const auto offer = [&](StackChoice c, bool picture, bool volume3d, std::int64_t slices) {
+    const std::tuple<bool, bool, std::int64_t> rank{picture, volume3d, slices};
     if (best && rank <= bestRank) return;
     best = c;
     bestRank = rank;
@@ -115,10 +122,10 @@ std::optional<StackChoice> largest(const StudySet& study, const std::vector<Volu
   for (std::size_t s = 0; s < study.series.size(); ++s)
     for (std::size_t k = 0; k < study.series[s].stacks.size(); ++k) {
       const Stack& stack = study.series[s].stacks[k];
-      offer({s, k, {}}, stack.volume3d, static_cast<std::int64_t>(stack.slices.size()));
+      offer({s, k, {}}, isPicture(study, stack), stack.volume3d, static_cast<std::int64_t>(stack.slices.size()));
     }
   for (std::size_t v = 0; v < volumeFiles.size(); ++v)
-    if (volumeFiles[v].facts) offer({0, 0, v}, true, volumeFiles[v].facts->info.grid.slices);
+    if (volumeFiles[v].facts) offer({0, 0, v}, true, true, volumeFiles[v].facts->info.grid.slices);
   return best;
 }
 

@@ -70,8 +70,8 @@ double offLine_mm(const GridGeometry& grid) {
 }
 
 // What of the acquisition changes what is seen.
-void describeStack(const VolumeInfo& info, const SliceLayer& layer, const SlicePicture& picture,
-                   Annotations& out) {
+// `across`: it is interpolated from slice to slice.
+void describeStack(const VolumeInfo& info, bool across, Annotations& out) {
   const GridGeometry& grid = info.grid;
   const glm::dvec3 normal = stackNormal(grid);
   const glm::dvec3 along = glm::normalize(grid.patientFromVoxel.linear[2]);
@@ -95,11 +95,29 @@ void describeStack(const VolumeInfo& info, const SliceLayer& layer, const SliceP
     out.what.push_back(plain((info.modality == "CT" ? "gantry tilt" : "slices sheared") + tilt,
                              (info.modality == "CT" ? "tilt" : "shear") + tilt));
   }
-  const bool across = std::abs(glm::dot(picture.normal.v, normal)) < 0.9999 || layer.slab.thickness_mm > 0;
   if (across && grid.slices > 1 && grid.spacing_mm().z >= kCoarseStep_mm)
     out.what.push_back(plain("coarse in z"));
   if (const double e_mm = offLine_mm(grid); e_mm > 0)
     out.what.push_back(plain("uneven slices, up to " + fixedDigits(e_mm, 2) + " mm", "uneven slices"));
+}
+
+// Where the letters L R A P H F do not apply, the picture says why it has none.
+struct NoLetters {
+  const char *line, *brief;
+};
+std::optional<NoLetters> whyNoLetters(const std::vector<Finding>& findings) {
+  if (says(findings, "quadruped")) return NoLetters{"quadruped: no letters", "quadruped"};
+  if (says(findings, "not-patient-frame"))
+    return NoLetters{"transducer's frame: no letters", "transducer's frame"};
+  if (says(findings, "axes-unknown")) return NoLetters{"axes not known: no letters", "axes not known"};
+  return std::nullopt;
+}
+
+void describeVolume(const VolumeInfo& info, Interpolation interpolation, bool across, Annotations& out) {
+  if (interpolation == Interpolation::Cubic) out.what.push_back(plain("cubic interpolation", "cubic"));
+  describeStack(info, across, out);
+  if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
+  if (const auto why = whyNoLetters(info.findings)) out.what.push_back(plain(why->line, why->brief));
 }
 
 TextLine windowLine(const VoiWindow& w, const std::string& unit, bool inverted) {
@@ -117,21 +135,12 @@ double roundedUp(double x) {
   return std::ceil(x / unit - 1e-9) * unit;
 }
 
-// L R A P H F are said of a person whose axes are known.
-bool lettersHold(const std::vector<Finding>& findings) {
-  return !says(findings, "quadruped") && !says(findings, "axes-unknown");
-}
-void sayWhyNoLetters(const std::vector<Finding>& findings, Annotations& out) {
-  if (says(findings, "quadruped")) out.what.push_back(plain("quadruped: no letters", "quadruped"));
-  if (says(findings, "axes-unknown")) out.what.push_back(plain("axes not known: no letters", "axes not known"));
-}
-
 }  // namespace
 
 Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, const VolumeInfo& info,
                           const VoiWindow& window) {
   Annotations out;
-  if (lettersHold(info.findings)) out.letters = edgeLetters(picture);
+  if (!whyNoLetters(info.findings)) out.letters = edgeLetters(picture);
   out.mmPerPixel = picture.mmPerPixel;
   std::string what = layer.slab.thickness_mm > 0 ? slabName(layer.slab) : "MPR";
   const std::string method = what;
@@ -140,9 +149,23 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
     what += " " + name + (number.empty() ? "" : " " + number);
   }
   out.what.push_back(plain(what, method));
-  describeStack(info, layer, picture, out);
-  if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
-  sayWhyNoLetters(info.findings, out);
+  const bool across = std::abs(glm::dot(picture.normal.v, stackNormal(info.grid))) < 0.9999 ||
+                      layer.slab.thickness_mm > 0;
+  describeVolume(info, layer.interpolation, across, out);
+  out.status.push_back(windowLine(window, info.unit, layer.invert));
+  return out;
+}
+
+Annotations describeCurved(const CurvedLayer& layer, const CurvedPicture& picture, const VolumeInfo& info,
+                           const VoiWindow& window) {
+  Annotations out;
+  if (!whyNoLetters(info.findings)) out.letters = edgeLetters(picture);
+  out.mmPerPixel = picture.mmPerPixel;
+  const std::string method =
+      layer.slab.thickness_mm > 0 ? "curved " + slabName(layer.slab) : std::string("curved MPR");
+  out.what.push_back(
+      plain(method + (layer.form == CurvedForm::Straightened ? ", straightened" : ", stretched"), method));
+  describeVolume(info, layer.interpolation, true, out);
   out.status.push_back(windowLine(window, info.unit, layer.invert));
   return out;
 }
@@ -150,13 +173,13 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
 Annotations describeImage(const ImageLayer& layer, const ImagePicture& picture, const ImageFrameInfo& info,
                           const VoiWindow& window) {
   Annotations out;
-  if (lettersHold(info.findings)) out.letters = edgeLetters(layer, info);
+  if (!whyNoLetters(info.findings)) out.letters = edgeLetters(layer, info);
   // Both together turn the picture by 180 degrees: no mirror image. The letters follow in any case.
   out.flipped = layer.flipHorizontal != layer.flipVertical;
   out.mmPerPixel = picture.mmPerPixel;
   out.what.push_back(plain(std::to_string(info.index + 1) + "/" + std::to_string(info.count)));
   if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
-  sayWhyNoLetters(info.findings, out);
+  if (const auto why = whyNoLetters(info.findings)) out.what.push_back(plain(why->line, why->brief));
   const auto chosen = layer.voiLut ? static_cast<std::size_t>(*layer.voiLut) : info.voiLuts.size();
   if (chosen < info.voiLuts.size()) {
     const std::string& name = info.voiLuts[chosen].explanation;
