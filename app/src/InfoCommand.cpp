@@ -46,10 +46,10 @@ int run(const GlobalOptions& global, const Options& o) {
 Command addInfo(CLI::App& app, GlobalOptions& global) {
   const auto o = std::make_shared<Options>();
   CLI::App* sub = app.add_subcommand("info", "Patients, studies, series, geometry and findings of an input");
-  sub->add_option("INPUT", o->inputs, "Files or folders")->required();
+  sub->add_option("INPUT", o->inputs, "Files, folders or ZIP archives (docs/files.md)")->required();
   sub->add_flag("--json", o->json, "JSON on standard output");
   sub->add_flag("--pixels", o->pixels, "Decode all images too: SHA-256, extrema, probes (JSON only)");
-  sub->footer("Examples:\n  vernier info STUDY\n  vernier info STUDY --json --pixels > facts.json");
+  sub->footer("Examples:\n  vernier info STUDY\n  vernier info study.zip\n  vernier info T1.nii.gz\n  vernier info /media/cdrom/DICOMDIR\n  vernier info STUDY --json --pixels > facts.json");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 
