@@ -101,14 +101,30 @@ double medianOf(std::vector<double> v) {
   return n % 2 ? v[n / 2] : 0.5 * (v[n / 2 - 1] + v[n / 2]);
 }
 
+// Where a slice lies; empty frames of a segmentation have no place of their own.
+glm::dvec3 originOf(const StudySet& set, const Stack& s, std::size_t k) {
+  const Instance& i = set.instances[s.slices[k].instance];
+  if (s.slices[k].frame != SliceRef::kEmptyFrame) return i.frame(s.slices[k].frame).plane->origin.p;
+  const GridGeometry& g = s.grid;
+  return (g.patientFromVoxel *
+          VoxelPoint(g.even() ? glm::dvec3(0, 0, static_cast<double>(k)) : g.sliceOrigin_vox[k]))
+      .p;
+}
+
+// The file of a slice, with the number of its frame where the file has several.
+std::string nameOf(const StudySet& set, SliceRef r) {
+  const Instance& i = set.instances[r.instance];
+  const std::string& file = set.files[i.file].shown;
+  if (r.frame == SliceRef::kEmptyFrame) return file + "#empty";
+  return i.framesDeclared > 1 ? file + "#" + std::to_string(r.frame + 1) : file;
+}
+
 // Steps between neighbouring slices: along the normal, straight, and the angle between both.
 void addSteps(const StudySet& set, const Stack& s, Json& j) {
   std::vector<double> along, straight, shear;
   for (std::size_t k = 1; k < s.positions_mm.size(); ++k) {
     along.push_back(s.positions_mm[k] - s.positions_mm[k - 1]);
-    const auto &a = set.instances[s.slices[k - 1].instance].plane,
-               &b = set.instances[s.slices[k].instance].plane;
-    straight.push_back(glm::length(b->origin.p - a->origin.p));
+    straight.push_back(glm::length(originOf(set, s, k) - originOf(set, s, k - 1)));
     const double side =
         std::sqrt(std::max(0.0, straight.back() * straight.back() - along.back() * along.back()));
     shear.push_back(std::atan2(side, along.back()) * 180 / 3.14159265358979323846);
@@ -122,16 +138,17 @@ void addSteps(const StudySet& set, const Stack& s, Json& j) {
 }
 
 Json toJson(const StudySet& set, const Stack& s) {
-  const Instance& first = set.instances[s.slices.front().instance];
+  const Instance& object = set.instances[s.slices.front().instance];
+  const FrameAttributes& first = object.frame(s.slices.front().frame);
   Json j{{"label", s.label}, {"shape", nameOf(s.shape)}, {"slices", s.slices.size()}};
-  j["rows"] = first.pixels.rows;
-  j["columns"] = first.pixels.columns;
+  j["rows"] = object.pixels.rows;
+  j["columns"] = object.pixels.columns;
   j["pixel_spacing_row_col_mm"] = {first.pixelSpacing_mm.x, first.pixelSpacing_mm.y};
   if (first.echoTime_ms) j["echo_time_ms"] = *first.echoTime_ms;
   j["volume_3d"] = s.volume3d;
   if (!s.why2d.empty()) j["why_2d"] = s.why2d;
   Json files = Json::array();
-  for (const SliceRef& r : s.slices) files.push_back(set.files[set.instances[r.instance].file].shown);
+  for (const SliceRef& r : s.slices) files.push_back(nameOf(set, r));
   j["order"] = std::move(files);
   if (!s.positions_mm.empty()) {
     j["positions_along_normal_mm"] = s.positions_mm;
@@ -139,8 +156,8 @@ Json toJson(const StudySet& set, const Stack& s) {
     j["shear_deg"] = s.shear_deg;
     j["max_deviation_of_origins_mm"] = s.deviation_mm;
     j["max_deviation_along_normal_mm"] = s.deviationAlongNormal_mm;
-    j["first_origin_lps_mm"] = toJson(first.plane->origin.p);
-    j["last_origin_lps_mm"] = toJson(set.instances[s.slices.back().instance].plane->origin.p);
+    j["first_origin_lps_mm"] = toJson(originOf(set, s, 0));
+    j["last_origin_lps_mm"] = toJson(originOf(set, s, s.slices.size() - 1));
     j["row_direction_lps"] = toJson(first.plane->rowDirection.v);
     j["column_direction_lps"] = toJson(first.plane->columnDirection.v);
   }
@@ -179,10 +196,6 @@ Json toJson(const StudySet& set, const Series& s) {
   return j;
 }
 
-// Enhanced objects, segmentations and doses have values of their own kind, which are not given as slope x
-// stored yet.
-bool modalityKnown(const Instance& i) { return i.notShown.empty() && !i.modalityLut && !i.rescaleInvalid; }
-
 Json pixelsJson(const StudySet& set, std::size_t n, const std::vector<PixelPlace>& places) {
   const Instance& i = set.instances[n];
   const auto facts = pixelFacts(set, n, places);
@@ -190,22 +203,18 @@ Json pixelsJson(const StudySet& set, std::size_t n, const std::vector<PixelPlace
   Json j{
       {"stored_min", facts->storedMin}, {"stored_max", facts->storedMax}, {"stored_sum", facts->storedSum}};
   if (!facts->sha256Int32le.empty()) j["stored_sha256_int32le"] = facts->sha256Int32le;
-  const auto modality = [&](double a, double b, const char* low, const char* high) {
-    const double x = i.rescale.slope * a + i.rescale.intercept, y = i.rescale.slope * b + i.rescale.intercept;
-    j[low] = std::min(x, y);
-    j[high] = std::max(x, y);
+  const auto range = [&](const std::optional<PixelFacts::Range>& r, const char* low, const char* high) {
+    if (!r) return;
+    j[low] = r->min;
+    j[high] = r->max;
   };
   if (i.paddingFirst) j["padding_pixels"] = facts->paddingPixels;
-  if (modalityKnown(i)) {
-    modality(facts->storedMin, facts->storedMax, "modality_min", "modality_max");
-    if (facts->validMin)
-      modality(*facts->validMin, *facts->validMax, "modality_min_without_padding",
-               "modality_max_without_padding");
-  }
+  range(facts->modality, "modality_min", "modality_max");
+  range(facts->modalityValid, "modality_min_without_padding", "modality_max_without_padding");
   j["probes"] = Json::array();
   for (std::size_t p = 0; p < places.size(); ++p) {
     Json probe{{"row", places[p].row}, {"column", places[p].column}, {"stored", facts->probes[p]}};
-    if (modalityKnown(i)) probe["modality"] = i.rescale.slope * facts->probes[p] + i.rescale.intercept;
+    if (facts->modality) probe["modality"] = i.rescale.slope * facts->probes[p] + i.rescale.intercept;
     if (i.filePlane && i.pixelSpacing_mm.x > 0)
       probe["lps_mm"] =
           toJson(i.filePlane->origin.p +
@@ -214,6 +223,54 @@ Json pixelsJson(const StudySet& set, std::size_t n, const std::vector<PixelPlace
     j["probes"].push_back(std::move(probe));
   }
   return j;
+}
+
+Json toJson(const std::vector<RealWorldMapping>& mappings) {
+  Json list = Json::array();
+  for (const RealWorldMapping& m : mappings) {
+    Json j{{"stored", {m.first, m.last}}, {"unit", m.unit}, {"label", m.label}, {"meaning", m.meaning}};
+    if (m.table.empty())
+      j["slope_intercept"] = {m.slope, m.intercept};
+    else
+      j["table_entries"] = m.table.size();
+    list.push_back(std::move(j));
+  }
+  return list;
+}
+
+Json segmentsJson(const Instance& i) {
+  Json list = Json::array();
+  for (const Segment& s : i.segments) {
+    Json j{{"number", s.number},
+           {"label", s.label},
+           {"category", s.category},
+           {"type", s.type},
+           {"algorithm", s.algorithm}};
+    if (s.colour) j["rgb"] = {(*s.colour)[0], (*s.colour)[1], (*s.colour)[2]};
+    list.push_back(std::move(j));
+  }
+  return list;
+}
+
+// What differs from frame to frame, in the order of the file.
+Json framesJson(const Instance& i) {
+  Json list = Json::array();
+  for (const FrameAttributes& f : *i.frames) {
+    Json j;
+    if (f.plane) j["origin_lps_mm"] = toJson(f.plane->origin.p);
+    if (f.rescaleInvalid)
+      j["rescale"] = nullptr;
+    else
+      j["rescale"] = {f.rescale.slope, f.rescale.intercept};
+    j["unit"] = f.unit;
+    if (!f.windows.empty()) j["window"] = {f.windows[0].center, f.windows[0].width};
+    if (f.echoTime_ms) j["echo_time_ms"] = *f.echoTime_ms;
+    if (f.temporalPosition) j["temporal_position"] = *f.temporalPosition;
+    if (!f.dimensionIndex.empty()) j["dimension_index"] = f.dimensionIndex;
+    if (!f.segments.empty()) j["segment"] = f.segments[0];
+    list.push_back(std::move(j));
+  }
+  return list;
 }
 
 Json objectJson(const StudySet& set, std::size_t n) {
@@ -257,6 +314,16 @@ Json objectJson(const StudySet& set, std::size_t n) {
   j["windows"] = std::move(windows);
   if (i.paddingFirst) j["padding"] = {*i.paddingFirst, *i.paddingLast};
   j["lossy"] = i.lossy;
+  if (i.realWorld) j["real_world"] = toJson(*i.realWorld);
+  if (i.concatenation)
+    j["concatenation"] = {{"uid", i.concatenation->uid},
+                          {"part", i.concatenation->number},
+                          {"parts", i.concatenation->total},
+                          {"first_frame", i.concatenation->frameOffset}};
+  if (!i.frameTimes_ms.empty())
+    j["frame_times_ms"] = {{"first", i.frameTimes_ms.front()}, {"last", i.frameTimes_ms.back()}};
+  if (i.segmentation != SegmentationKind::None) j["segments"] = segmentsJson(i);
+  if (i.frames) j["frame_attributes"] = framesJson(i);
   return j;
 }
 

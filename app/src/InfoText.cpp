@@ -103,9 +103,10 @@ std::string geometryText(const Stack& s) {
 }
 
 void addStack(const StudySet& set, const Stack& s, std::string& out) {
-  const Instance& first = set.instances[s.slices.front().instance];
-  out += "      stack  " + count(s.slices.size(), "slice") + " of " + std::to_string(first.pixels.columns) +
-         "x" + std::to_string(first.pixels.rows) + ", ";
+  const Instance& object = set.instances[s.slices.front().instance];
+  const FrameAttributes& first = object.frame(s.slices.front().frame);
+  out += "      stack  " + count(s.slices.size(), "slice") + " of " + std::to_string(object.pixels.columns) +
+         "x" + std::to_string(object.pixels.rows) + ", ";
   if (first.pixelSpacing_mm.x > 0)
     out += "pixel " + number(first.pixelSpacing_mm.y, 4) + "x" + number(first.pixelSpacing_mm.x, 4) + " mm, ";
   const std::string geometry = geometryText(s);
@@ -115,12 +116,27 @@ void addStack(const StudySet& set, const Stack& s, std::string& out) {
   addFindings(s.findings, "             ", out);
 }
 
+void addSegments(const Instance& i, std::string& out) {
+  for (const Segment& s : i.segments) {
+    out += "      segment " + std::to_string(s.number) + "  " + safe(orDash(s.label));
+    if (!s.type.empty()) out += ", " + safe(s.type);
+    if (s.colour) {
+      char colour[16];
+      const auto level = [&](std::size_t c) { return static_cast<unsigned>((*s.colour)[c] * 255 + 0.5); };
+      std::snprintf(colour, sizeof colour, "#%02x%02x%02x", level(0), level(1), level(2));
+      out += std::string(", colour ") + colour;
+    }
+    out += "\n";
+  }
+}
+
 void addSeries(const StudySet& set, std::size_t index, std::string& out) {
   const Series& s = set.series[index];
   out += "    Series " + std::to_string(index + 1) + "  " + orDash(s.modality) + "  " +
          (s.number ? "#" + std::to_string(*s.number) + "  " : "") + safe(orDash(s.description)) + "  (" +
          count(s.instances.size(), "object") + ")\n";
   for (const Stack& stack : s.stacks) addStack(set, stack, out);
+  for (const std::size_t i : s.instances) addSegments(set.instances[i], out);
   std::map<std::string, std::size_t> others;
   for (const std::size_t i : s.instances)
     if (!set.instances[i].notShown.empty())

@@ -72,6 +72,20 @@ void addInt32le(const std::vector<double>& values, Sha256& sha) {
   sha.add(bytes.data(), bytes.size());
 }
 
+// Extrema of one frame's stored values become part of those of all modality values.
+void widen(std::optional<PixelFacts::Range>& all, const ModalityRescale& r, double storedMin,
+           double storedMax) {
+  if (!(storedMin <= storedMax)) return;
+  const double a = r.slope * storedMin + r.intercept, b = r.slope * storedMax + r.intercept;
+  if (!all) all = PixelFacts::Range{a, a};
+  all->min = std::min({all->min, a, b});
+  all->max = std::max({all->max, a, b});
+}
+
+bool hasModality(const Instance& i) {
+  return !i.modalityLut && !i.rescaleInvalid && i.segmentation == SegmentationKind::None;
+}
+
 }  // namespace
 
 Result<PixelFacts> pixelFacts(const StudySet& set, std::size_t instance,
@@ -90,34 +104,39 @@ Result<PixelFacts> pixelFacts(const StudySet& set, std::size_t instance,
   constexpr double kInf = std::numeric_limits<double>::infinity();
   facts.storedMin = kInf;
   facts.storedMax = -kInf;
-  double validMin = kInf, validMax = -kInf;
+  const bool modality = hasModality(i);
+  FrameReader reader(set);
   Sha256 sha;
   std::vector<std::byte> frame(*bytes);
   std::vector<double> values(i.pixels.rows * i.pixels.columns);
   for (std::uint64_t f = 0; f < i.pixels.framesDeclared; ++f) {
-    if (const auto done = decodeSlice(set, {instance, f}, frame); !done) return done.error();
+    if (const auto done = reader.read({instance, f}, frame); !done) return done.error();
     widen(i.pixels.sample, frame, values);
     if (integers) addInt32le(values, sha);
+    const FrameAttributes& a = i.frame(f);
+    double low = kInf, high = -kInf, validLow = kInf, validHigh = -kInf;
     for (const double v : values) {
-      facts.storedMin = std::min(facts.storedMin, v);
-      facts.storedMax = std::max(facts.storedMax, v);
+      low = std::min(low, v);
+      high = std::max(high, v);
       facts.storedSum += v;
       if (v != v) continue;
-      if (i.paddingFirst && v >= *i.paddingFirst && v <= *i.paddingLast) {
+      if (a.paddingFirst && v >= *a.paddingFirst && v <= *a.paddingLast) {
         ++facts.paddingPixels;
         continue;
       }
-      validMin = std::min(validMin, v);
-      validMax = std::max(validMax, v);
+      validLow = std::min(validLow, v);
+      validHigh = std::max(validHigh, v);
+    }
+    facts.storedMin = std::min(facts.storedMin, low);
+    facts.storedMax = std::max(facts.storedMax, high);
+    if (modality && !a.rescaleInvalid) {
+      widen(facts.modality, a.rescale, low, high);
+      widen(facts.modalityValid, a.rescale, validLow, validHigh);
     }
     if (f == 0)
       for (const PixelPlace& p : probes) facts.probes.push_back(values[p.row * i.pixels.columns + p.column]);
   }
   if (integers) facts.sha256Int32le = sha.hex();
-  if (validMin <= validMax) {
-    facts.validMin = validMin;
-    facts.validMax = validMax;
-  }
   return facts;
 }
 

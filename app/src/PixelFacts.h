@@ -14,8 +14,12 @@ struct PixelFacts {
   std::string sha256Int32le;  // of all frames, row by row, each value as little-endian int32; "" for floats
   double storedMin = 0, storedMax = 0, storedSum = 0;
   std::uint64_t paddingPixels = 0;
-  // Without padding; absent when all is padding.
-  std::optional<double> validMin, validMax;
+  // Through each frame's own rescale; the second without padding. Absent where values have no modality (a
+  // modality LUT, a refused rescale, a segmentation) or all is padding.
+  struct Range {
+    double min = 0, max = 0;
+  };
+  std::optional<Range> modality, modalityValid;
   std::vector<double> probes;  // stored values of frame 0 at the places asked for
 };
 struct PixelPlace {

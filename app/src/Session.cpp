@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <tuple>
 
 #include "SessionImpl.h"
 #include "vernier/base/Threads.h"
@@ -16,6 +17,12 @@ bool looksLikeMetaImage(const std::string& path) {
   std::string ext = std::filesystem::path(path).extension().string();
   for (char& c : ext) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return ext == ".mhd" || ext == ".mha";
+}
+
+// Segmentations and doses lie over pictures; they come first only where there is nothing else.
+bool isPicture(const StudySet& study, const Stack& stack) {
+  const Instance& i = study.instances[stack.slices.front().instance];
+  return i.segmentation == SegmentationKind::None && i.modality != "RTDOSE";
 }
 
 std::optional<std::size_t> positiveNumber(std::string_view text) {
@@ -104,11 +111,12 @@ Result<StackChoice> Session::choose(const std::string& wanted) const {
   const auto& series = impl_->study.series;
   if (wanted.empty()) {
     std::optional<StackChoice> best;
-    std::pair<bool, std::size_t> bestRank;
+    std::tuple<bool, bool, std::size_t> bestRank;
     for (std::size_t s = 0; s < series.size(); ++s)
       for (std::size_t k = 0; k < series[s].stacks.size(); ++k) {
         const Stack& stack = series[s].stacks[k];
-        const std::pair<bool, std::size_t> rank{stack.volume3d, stack.slices.size()};
+        const std::tuple<bool, bool, std::size_t> rank{isPicture(impl_->study, stack), stack.volume3d,
+                                                       stack.slices.size()};
         if (best && rank <= bestRank) continue;
         best = StackChoice{s, k};
         bestRank = rank;

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "PluginHost.h"
-#include "vernier/gpu/Device.h"
 #include "vernier/base/Progress.h"
+#include "vernier/gpu/Device.h"
 #include "vernier/plan/MakePlan.h"
 #include "vernier/quality/Ladder.h"
 #include "vernier/study/Load.h"
@@ -62,8 +62,9 @@ class Session {
   const StudySet& study() const;
   bool isMetaImage() const;
 
-  // `series`: "" = the largest stack that can be shown in 3-D, else the largest image stack; a Series
-  // Instance UID; or the position in `info`, counted from 1; each with an optional "#stack" counted from 1.
+  // `series`: "" = the largest stack that can be shown in 3-D, else the largest image stack (segmentations
+  // and doses only where there is nothing else); a Series Instance UID; or the position in `info`, counted
+  // from 1; each with an optional "#stack" counted from 1.
   Result<StackChoice> choose(const std::string& series) const;
   void use(StackChoice);  // what source "" means from now on
   const Series* seriesOf(StackChoice) const;
@@ -89,8 +90,8 @@ class Session {
   Result<Plan> plan(const Scene&, const View&, const Quality&, bool explain = false);
   // `reuse` gives its buffers to the new frame. The closed loop of `review` and `reference` lowers
   // quality.step until the measured error meets the goal; without measuring, one frame at quality.step.
-  // When GL fails while it draws: a lost context is made anew once; what still fails is drawn natively, unless GL was
-  // asked for. Either stands in the plan's notes. Scene and study are untouched.
+  // When GL fails while it draws: a lost context is made anew once; what still fails is drawn natively,
+  // unless GL was asked for. Either stands in the plan's notes. Scene and study are untouched.
   Result<Rendered> render(const Scene&, const View&, const Quality&, const RenderOptions&,
                           std::stop_token = {}, Frame reuse = {});
 

@@ -12,6 +12,8 @@
 namespace vernier::app {
 namespace {
 
+constexpr int kLeastCell_px = 320, kLargestCell_px = 512;  // the captions need some room
+
 struct Options {
   ViewOptions view;
   std::string out, title = "Vernier";
@@ -119,7 +121,9 @@ int run(const GlobalOptions& global, const Options& o) {
     }
   }
   if (entries.empty()) return last ? exitCode(last->code) : 1;
-  const Result<Picture> sheet = contactSheet(o.title, entries, o.columns);
+  int cell_px = kLeastCell_px;  // pictures as they are, up to a size at which three stand side by side
+  for (const SheetEntry& e : entries) cell_px = std::max({cell_px, e.picture.width, e.picture.height});
+  const Result<Picture> sheet = contactSheet(o.title, entries, o.columns, std::min(cell_px, kLargestCell_px));
   if (!sheet) return report(sheet.error());
   if (const Result<void> r = writePng(o.out, *sheet); !r) return report(r.error());
   return 0;

@@ -25,11 +25,4 @@ class InfoExpected : public ::testing::TestWithParam<const char*> {
   Facts facts_;
 };
 
-// Objects whose values or geometry a later version reads: enhanced multi-frame, segmentation, dose.
-inline bool leftToLater(const Json& object) {
-  const std::string why = object.value("not_shown", "");
-  return why.starts_with("not shown yet: enhanced") || why.starts_with("not shown yet: segmentation") ||
-         why.starts_with("not shown yet: radiotherapy dose");
-}
-
 }  // namespace vernier::test

@@ -41,7 +41,8 @@ void putUs(DcmItem& item, const DcmTagKey& key, int value) {
   check(item.putAndInsertUint16(key, static_cast<Uint16>(value)), "attribute");
 }
 
-// Attributes that are US or SS by the sign of the pixels (padding, smallest and largest value) take an integer.
+// Attributes that are US or SS by the sign of the pixels (padding, smallest and largest value) take an
+// integer.
 void putAny(DcmItem& item, const DcmTagKey& key, const std::string& value, bool isSigned) {
   DcmTag tag(key);
   if (tag.getEVR() != EVR_xs) return put(item, key, value);
@@ -59,6 +60,14 @@ void putPixels(DcmDataset& d, const DicomSlice& s) {
   const auto count = static_cast<std::size_t>(s.rows) * static_cast<std::size_t>(s.columns) *
                      static_cast<std::size_t>(s.samplesPerPixel) * static_cast<std::size_t>(s.frames);
   const auto valueAt = [&](std::size_t i) { return i < s.pixels.size() ? s.pixels[i] : 0; };
+  if (s.bitsAllocated == 1) {  // frames follow each other bit by bit (PS3.5 8.1.1)
+    std::vector<Uint8> bytes((count + 15) / 16 * 2);
+    for (std::size_t i = 0; i < count; ++i)
+      bytes[i / 8] = static_cast<Uint8>(bytes[i / 8] | (valueAt(i) & 1) << i % 8);
+    check(d.putAndInsertUint8Array(DCM_PixelData, bytes.data(), static_cast<unsigned long>(bytes.size())),
+          "pixels");
+    return;
+  }
   if (s.bitsAllocated == 8) {
     std::vector<Uint8> bytes(count + count % 2);
     for (std::size_t i = 0; i < count; ++i) bytes[i] = static_cast<Uint8>(valueAt(i));
@@ -75,11 +84,7 @@ void putPixels(DcmDataset& d, const DicomSlice& s) {
         "pixels");
 }
 
-}  // namespace
-
-void writeDicom(const std::filesystem::path& file, const DicomSlice& s) {
-  DcmFileFormat format;
-  DcmDataset& d = *format.getDataset();
+void fill(DcmDataset& d, const DicomSlice& s) {
   put(d, DCM_SOPClassUID, s.sopClassUid);
   put(d, DCM_SOPInstanceUID,
       s.sopInstanceUid.empty() ? s.seriesUid + "." + std::to_string(s.instanceNumber) : s.sopInstanceUid);
@@ -110,7 +115,10 @@ void writeDicom(const std::filesystem::path& file, const DicomSlice& s) {
   putPixels(d, s);
   for (const auto& [tag, value] : s.set) putAny(d, keyOf(tag), value, s.isSigned);
   for (const std::string& tag : s.erase) d.findAndDeleteElement(keyOf(tag));
+}
 
+void save(DcmFileFormat& format, const std::filesystem::path& file, const DicomSlice& s) {
+  DcmDataset& d = *format.getDataset();
   const E_TransferSyntax syntax = DcmXfer(s.transferSyntaxUid.c_str()).getXfer();
   if (syntax == EXS_RLELossless) {
     static const bool registered = (DcmRLEEncoderRegistration::registerCodecs(), true);
@@ -118,6 +126,60 @@ void writeDicom(const std::filesystem::path& file, const DicomSlice& s) {
     check(d.chooseRepresentation(syntax, nullptr), "RLE");
   }
   check(format.saveFile(file.c_str(), syntax), "save");
+}
+
+// The item of the last of "0018,9117/0018,9076", made where it is not there yet.
+DcmItem& itemAt(DcmItem& outer, const std::string& path) {
+  const auto slash = path.find('/');
+  DcmItem* item = nullptr;
+  check(outer.findOrCreateSequenceItem(keyOf(path.substr(0, slash)), item, 0), "sequence");
+  return slash == std::string::npos ? *item : itemAt(*item, path.substr(slash + 1));
+}
+
+void putGroups(DcmDataset& d, const DcmTagKey& sequence, long n, const Groups& groups) {
+  DcmItem* item = nullptr;
+  check(d.findOrCreateSequenceItem(sequence, item, n), "functional groups");
+  for (const Macro& m : groups) {
+    DcmItem& macro = itemAt(*item, m.sequence);
+    for (const auto& [tag, value] : m.set) putAny(macro, keyOf(tag), value, false);
+  }
+}
+}  // namespace
+
+void writeDicom(const std::filesystem::path& file, const DicomSlice& s) {
+  DcmFileFormat format;
+  fill(*format.getDataset(), s);
+  save(format, file, s);
+}
+
+void writeEnhanced(const std::filesystem::path& file, const EnhancedObject& o) {
+  DcmFileFormat format;
+  DcmDataset& d = *format.getDataset();
+  fill(d, o);
+  for (const Macro& m : o.sequences) {
+    DcmItem& item = itemAt(d, m.sequence);
+    for (const auto& [tag, value] : m.set) putAny(item, keyOf(tag), value, false);
+  }
+  if (o.shared) putGroups(d, DCM_SharedFunctionalGroupsSequence, 0, *o.shared);
+  for (std::size_t f = 0; f < o.perFrame.size(); ++f)
+    putGroups(d, DCM_PerFrameFunctionalGroupsSequence, static_cast<long>(f), o.perFrame[f]);
+  save(format, file, o);
+}
+
+EnhancedObject enhancedStack(const std::vector<double>& z) {
+  EnhancedObject o;
+  o.sopClassUid = "1.2.840.10008.5.1.4.1.1.2.1";
+  o.hasGeometry = false;
+  o.erase = {"0028,1052", "0028,1053"};
+  o.frames = static_cast<int>(z.size());
+  o.set = {{"0028,0008", std::to_string(z.size())}};
+  o.shared =
+      Groups{{"0020,9116", {{"0020,0037", "1\\0\\0\\0\\1\\0"}}}, {"0028,9110", {{"0028,0030", "1\\1"}}}};
+  for (std::size_t f = 0; f < z.size(); ++f) {
+    o.perFrame.push_back({{"0020,9113", {{"0020,0032", numbers(std::array<double, 3>{0, 0, z[f]})}}}});
+    for (int p = 0; p < o.rows * o.columns; ++p) o.pixels.push_back(100 * static_cast<std::int64_t>(f) + p);
+  }
+  return o;
 }
 
 void writeSeries(const std::filesystem::path& folder, int n, std::array<double, 3> step_mm,

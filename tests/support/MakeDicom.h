@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +43,24 @@ struct DicomSlice {
 };
 
 void writeDicom(const std::filesystem::path& file, const DicomSlice&);
+
+// One functional group macro: the path of its sequence ("0020,9113", or "0018,9117/0018,9076" for a sequence
+// in a sequence) and attributes of its one item.
+struct Macro {
+  std::string sequence;
+  std::vector<std::pair<std::string, std::string>> set;
+};
+using Groups = std::vector<Macro>;
+// An object that describes its frames one by one.
+struct EnhancedObject : DicomSlice {
+  std::optional<Groups> shared;
+  std::vector<Groups> perFrame;
+  Groups sequences;  // of the root
+};
+void writeEnhanced(const std::filesystem::path& file, const EnhancedObject&);
+
+// An Enhanced CT, one axial frame of 4 x 4 pixels of 1 mm at each z; stored value = 100 frame + pixel.
+EnhancedObject enhancedStack(const std::vector<double>& z);
 
 // n slices of one series in `folder` (000.dcm...), slice k at position + k * (dx, dy, dz), instance number k
 // + 1, all stored values = k * 10.

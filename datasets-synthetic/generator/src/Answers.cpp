@@ -96,8 +96,9 @@ Json probe(const Json& p, const StudyPlan& study, const SeriesPlan& series, cons
            {"row", j},
            {"patient_mm", jsonOf(centre)},
            {"stored", value},
-           {"modality", series.slope * value + series.intercept},
-           {"modality_without_noise", idealAt(field, centre) + best->valueOffset}};
+           {"modality", slopeOf(series, *best) * value + series.intercept},
+           {"modality_without_noise", best->factor * idealAt(field, centre) + best->valueOffset}};
+  if (best->frame > 0) out["frame"] = best->frame;
   if (series.padding && *series.padding == value) out["padding"] = true;
   return out;
 }
@@ -115,6 +116,10 @@ Json describe(const StudyPlan& study, const SeriesPlan& s, const Json& recipe, c
                       {"origin_mm", jsonOf(p.origin_mm)},
                       {"position_along_normal_mm", glm::dot(p.origin_mm, normal)},
                       {"stored_sum", sums[k].sum}});
+    if (p.frame > 0) slices.back()["frame"] = p.frame;
+    if (p.slope != 0) slices.back()["rescale_slope"] = p.slope;
+    if (p.echoTime_ms > 0) slices.back()["echo_time_ms"] = p.echoTime_ms;
+    if (p.bValue_s_mm2 >= 0) slices.back()["b_value_s_mm2"] = p.bValue_s_mm2;
     total += sums[k].sum;
     low = std::min(low, sums[k].low);
     high = std::max(high, sums[k].high);
@@ -124,9 +129,7 @@ Json describe(const StudyPlan& study, const SeriesPlan& s, const Json& recipe, c
     probes.push_back(probe(p, study, s, field, solids));
   return {{"series_uid", s.seriesUid},
           {"description", s.description},
-          {"modality", s.storage == Storage::Mr   ? "MR"
-                       : s.storage == Storage::Ct ? "CT"
-                                                  : "OT"},
+          {"modality", modalityOf(s.storage)},
           {"transfer_syntax", s.transferSyntaxUid},
           {"lossy", !s.lossyMethod.empty()},
           {"stored_bound", s.storedBound},

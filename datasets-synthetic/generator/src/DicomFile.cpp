@@ -3,38 +3,16 @@
 // mandatory modules, dates and times fixed.
 #include "DicomFile.h"
 
-#include <dcmtk/config/osconfig.h>
-#include <dcmtk/dcmdata/dcostrmf.h>
 #include <dcmtk/dcmdata/dcpixel.h>
 #include <dcmtk/dcmdata/dcpixseq.h>
 #include <dcmtk/dcmdata/dcpxitem.h>
-#include <dcmtk/dcmdata/dctk.h>
-#include <dcmtk/dcmdata/dcwcache.h>
 
-#include <cctype>
-#include <stdexcept>
-
+#include "DicomParts.h"
 #include "Encode.h"
 #include "Sample.h"
 
 namespace vernier::phantoms {
 namespace {
-
-void check(const OFCondition& condition, const char* what) {
-  if (condition.bad()) throw std::runtime_error(std::string(what) + ": " + condition.text());
-}
-
-struct Data {
-  DcmItem& item;
-  void text(const DcmTagKey& tag, const std::string& value) const {
-    check(item.putAndInsertString(tag, value.c_str()), "attribute");
-  }
-  void number(const DcmTagKey& tag, int value) const {
-    check(item.putAndInsertUint16(tag, static_cast<Uint16>(value)), "attribute");
-  }
-};
-
-std::string vectorDs(glm::dvec3 v) { return dsOf(v.x) + "\\" + dsOf(v.y) + "\\" + dsOf(v.z); }
 
 // The patient letter of a direction's largest component.
 const char* letterOf(glm::dvec3 v) {
@@ -52,39 +30,17 @@ const char* classOf(Storage s) {
       return UID_MRImageStorage;
     case Storage::SecondaryCapture:
       return UID_SecondaryCaptureImageStorage;
+    case Storage::EnhancedCt:
+    case Storage::EnhancedMr:
+      break;  // MultiFrame.cpp
   }
   return "";
 }
 
-void putPatientAndStudy(const Data& d, const StudyPlan& study) {
-  std::string id = "VERNIER-" + study.name;
-  for (char& c : id) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  d.text(DCM_PatientName, "Phantom^" + study.title);
-  d.text(DCM_PatientID, id);
-  d.text(DCM_PatientBirthDate, "");
-  d.text(DCM_PatientSex, "O");
-  d.text(DCM_StudyInstanceUID, study.studyUid);
-  d.text(DCM_StudyDate, "20260101");
-  d.text(DCM_StudyTime, "120000");
-  d.text(DCM_ReferringPhysicianName, "");
-  d.text(DCM_StudyID, "1");
-  d.text(DCM_AccessionNumber, "");
-  d.text(DCM_StudyDescription, "Vernier phantom " + study.name);
-}
-
 void putSeries(const Data& d, const StudyPlan& study, const SeriesPlan& series) {
   const bool secondary = series.storage == Storage::SecondaryCapture;
-  d.text(DCM_Modality, series.storage == Storage::Mr ? "MR" : series.storage == Storage::Ct ? "CT" : "OT");
-  d.text(DCM_SeriesInstanceUID, series.seriesUid);
-  d.text(DCM_SeriesNumber, std::to_string(series.number));
-  d.text(DCM_SeriesDescription, series.description);
-  d.text(DCM_SeriesDate, "20260101");
-  d.text(DCM_SeriesTime, "120000");
+  putSeriesCommon(d, study, modalityOf(series.storage), series.seriesUid, series.number, series.description);
   d.text(DCM_PatientPosition, "HFS");
-  d.text(DCM_FrameOfReferenceUID, study.frameOfReferenceUid);
-  d.text(DCM_PositionReferenceIndicator, "");
-  d.text(DCM_Manufacturer, "Vernier phantoms");
-  d.text(DCM_ManufacturerModelName, "datasets-synthetic");
   if (secondary) d.text(DCM_ConversionType, "SYN");
   d.text(DCM_BodyPartExamined, study.bodyPart);
 }
@@ -202,40 +158,6 @@ void putEncodedPixels(const Data& d, const SeriesPlan& series, E_TransferSyntax 
   check(d.item.insert(pixels, true), "pixels");
 }
 
-void putMeta(DcmMetaInfo& meta, const SeriesPlan& series, const SlicePlan& slice) {
-  const Data d{meta};
-  const Uint8 version[2] = {0, 1};
-  check(meta.putAndInsertUint8Array(DCM_FileMetaInformationVersion, version, 2), "meta header");
-  d.text(DCM_MediaStorageSOPClassUID, classOf(series.storage));
-  d.text(DCM_MediaStorageSOPInstanceUID, slice.sopUid);
-  d.text(DCM_TransferSyntaxUID, series.transferSyntaxUid);
-  // Ours, whatever library wrote the file: the bytes stay the same when the library moves on.
-  d.text(DCM_ImplementationClassUID, uidOf("vernier", 1, "implementation"));
-  d.text(DCM_ImplementationVersionName, "VERNIER_PHANTOM1");
-  d.item.putAndInsertUint32(DCM_FileMetaInformationGroupLength, 0);
-  check(meta.computeGroupLengthAndPadding(EGL_withGL, EPD_noChange, EXS_LittleEndianExplicit,
-                                          EET_ExplicitLength),
-        "meta header");
-}
-
-// As DcmFileFormat::saveFile, which would put its own version into the meta header, or warn that it did not.
-OFCondition save(DcmFileFormat& format, E_TransferSyntax xfer, const std::filesystem::path& file) {
-  DcmOutputFileStream stream(OFFilename(file.c_str()));
-  DcmMetaInfo& meta = *format.getMetaInfo();
-  DcmDataset& dataset = *format.getDataset();
-  meta.transferInit();
-  OFCondition done = meta.write(stream, EXS_LittleEndianExplicit, EET_ExplicitLength, nullptr);
-  meta.transferEnd();
-  if (done.bad()) return done;
-  DcmWriteCache cache;
-  dataset.transferInit();
-  done = dataset.write(stream, xfer, EET_UndefinedLength, &cache, EGL_withoutGL, EPD_noChange);
-  dataset.transferEnd();
-  if (done.bad()) return done;
-  stream.flush();
-  return stream.status();
-}
-
 }  // namespace
 
 Result<void> writeDicom(const StudyPlan& study, const SeriesPlan& series, const SlicePlan& slice,
@@ -254,16 +176,9 @@ Result<void> writeDicom(const StudyPlan& study, const SeriesPlan& series, const 
     putEncodedPixels(d, series, xfer, stored);
   else
     putPlainPixels(dataset, series, stored);
-  putMeta(*format.getMetaInfo(), series, slice);
+  putMeta(*format.getMetaInfo(), classOf(series.storage), slice.sopUid, series.transferSyntaxUid);
 
-  const OFCondition saved = save(format, xfer, file);
-  if (saved.bad()) {
-    return makeError(
-        ErrorCode::WriteFailed,
-        std::string("The file cannot be written (") + saved.text() + "); check the folder and the disk.",
-        file.filename().string());
-  }
-  return {};
+  return saved(format, xfer, file);
 }
 
 }  // namespace vernier::phantoms

@@ -9,6 +9,7 @@
 #include "Answers.h"
 #include "DicomFile.h"
 #include "MetaImage.h"
+#include "MultiFrame.h"
 #include "Plan.h"
 #include "Recipes.h"
 #include "Sample.h"
@@ -57,6 +58,18 @@ Result<void> removeOldFiles(const std::filesystem::path& folder) {
   return {};
 }
 
+std::uint64_t filesIn(const std::filesystem::path& folder, std::uint64_t& bytes) {
+  std::uint64_t files = 0;
+  std::error_code ignored;
+  bytes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".dcm") {
+      ++files;
+      bytes += entry.file_size(ignored);
+    }
+  return files;
+}
+
 struct Job {
   const StudyPlan& study;
   const Field& field;
@@ -65,7 +78,8 @@ struct Job {
   const ProgressFn& progress;
   std::stop_token stop;
   std::vector<std::vector<SliceSums>> sums;
-  std::vector<std::int16_t> volume;  // MetaImage only
+  std::vector<std::vector<std::int32_t>> frames;  // of multi-frame objects, by slice
+  std::vector<std::int16_t> volume;               // MetaImage only
   std::mutex mutex;
   std::optional<Error> failure;  // of the lowest file index, whatever the threads did
   std::size_t failedAt = 0;
@@ -78,6 +92,10 @@ Result<std::uint64_t> makeSlice(Job& job, std::size_t n, std::size_t k) {
     const SlicePlan& slice = series.slices[k];
     const std::vector<std::int32_t> stored = sampleSlice(job.field, series, slice, job.study.seed);
     job.sums[n][k] = sumsOf(stored);
+    if (!series.objects.empty() && job.format == PhantomFormat::Dicom) {
+      job.frames[k] = stored;  // written with the others of its object
+      return 0;
+    }
     if (job.format == PhantomFormat::MetaImage) {
       std::copy(stored.begin(), stored.end(),
                 job.volume.begin() + static_cast<std::ptrdiff_t>(k * stored.size()));
@@ -95,6 +113,7 @@ Result<void> makeSlices(Job& job) {
   std::vector<std::pair<std::size_t, std::size_t>> work;
   for (std::size_t n = 0; n < job.study.series.size(); ++n) {
     job.sums.emplace_back(job.study.series[n].slices.size());
+    if (!job.study.series[n].objects.empty()) job.frames.resize(job.study.series[n].slices.size());
     for (std::size_t k = 0; k < job.study.series[n].slices.size(); ++k) work.emplace_back(n, k);
   }
   job.total = work.size();
@@ -114,6 +133,14 @@ Result<void> makeSlices(Job& job) {
   if (job.failure) return *job.failure;
   if (job.stop.stop_requested()) return makeError(ErrorCode::Cancelled, "Writing the phantom was cancelled.");
   return {};
+}
+
+// Multi-frame objects, and what lies beside the series; the answers of the latter.
+Result<Json> writeMultiFrame(const Json& recipe, const std::string& variant, Job& job) {
+  const SeriesPlan& series = job.study.series.front();
+  for (std::size_t o = 0; o < series.objects.size(); ++o)
+    if (Result<void> ok = writeEnhanced(job.study, series, o, job.frames, job.folder); !ok) return ok.error();
+  return writeBeside(recipe, variant, job.study, job.folder);
 }
 
 Result<void> writeText(const std::filesystem::path& file, const std::string& text) {
@@ -151,7 +178,7 @@ Result<PhantomInfo> write(const std::string& name, const std::filesystem::path& 
     if (Result<void> removed = removeOldFiles(info.data); !removed) return removed.error();
   }
 
-  Job job{study, *field, info.data, options.format, progress, options.stop, {}, {}, {}, {}, 0, 0, 0, 0};
+  Job job{study, *field, info.data, options.format, progress, options.stop, {}, {}, {}, {}, {}, 0, 0, 0, 0};
   if (meta) {
     const SeriesPlan& s = study.series.front();
     job.volume.resize(static_cast<std::size_t>(s.columns * s.rows) * s.slices.size());
@@ -160,10 +187,17 @@ Result<PhantomInfo> write(const std::string& name, const std::filesystem::path& 
   if (meta) {
     if (Result<void> w = writeMetaImage(study.series.front(), job.volume, info.data); !w) return w.error();
   }
-  const Json answers = answersOf(*recipe, variant, study, *field, solids, job.sums);
+  Json beside;
+  if (!meta) {
+    Result<Json> made = writeMultiFrame(*recipe, variant, job);
+    if (!made) return made.error();
+    beside = std::move(*made);
+  }
+  Json answers = answersOf(*recipe, variant, study, *field, solids, job.sums);
+  if (beside.is_object()) answers.update(beside);
   if (Result<void> w = writeText(info.answers, answers.dump(1) + "\n"); !w) return w.error();
-  info.files = meta ? 2 : job.total;
-  info.bytes = job.bytes;
+  info.files = meta ? 2 : filesIn(info.data, info.bytes);
+  if (meta) info.bytes = job.bytes;
   return info;
 }
 

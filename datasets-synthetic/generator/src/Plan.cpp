@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "MultiFrame.h"
 #include "PortableMath.h"
 #include "vernier/base/Random.h"
 
@@ -190,6 +191,20 @@ Json withCube(Json recipe) {
 
 }  // namespace
 
+const char* modalityOf(Storage s) {
+  switch (s) {
+    case Storage::Ct:
+    case Storage::EnhancedCt:
+      return "CT";
+    case Storage::Mr:
+    case Storage::EnhancedMr:
+      return "MR";
+    case Storage::SecondaryCapture:
+      break;
+  }
+  return "OT";
+}
+
 std::uint64_t seedOf(const Json& recipe) {
   return static_cast<std::uint64_t>(recipe.at("seed").get<double>());
 }
@@ -261,6 +276,7 @@ StudyPlan makeStudyPlan(const Json& given, const std::string& variant) {
     if (fault.contains("value_offset")) duplicate(series, fault, study, variant, study.findings);
     study.series.push_back(std::move(series));
   }
+  if (recipe.contains("multi_frame")) makeMultiFrame(recipe, uid, study);
   if (base.padding) study.findings.push_back({{"code", "padding-pixels"}, {"padding", *base.padding}});
   return study;
 }

@@ -13,7 +13,10 @@
 
 namespace vernier::phantoms {
 
-enum class Storage { Ct, Mr, SecondaryCapture };
+enum class Storage { Ct, Mr, SecondaryCapture, EnhancedCt, EnhancedMr };
+
+// "CT", "MR" or "OT".
+const char* modalityOf(Storage);
 
 struct Window {
   std::string center, width, explanation;  // as written (DS), valid or not
@@ -26,8 +29,21 @@ struct SlicePlan {
   int instanceNumber = 1;
   std::string sopUid, fileName;
   double valueOffset = 0;  // modality units; tells two objects of one place apart
+  // Frames of multi-frame objects: their number in their file, and what their contrast does to the values.
+  int frame = 0;                              // from 1; 0: the file has one frame
+  double factor = 1;                          // modality value = factor * field
+  double slope = 0;                           // 0: the series' own
+  double echoTime_ms = 0, bValue_s_mm2 = -1;  // 0 and below 0: none
+  std::size_t position = 0;                   // of the slice along the normal, from 0
   std::vector<Window> windows;
   std::string windowFunction;
+};
+
+// One multi-frame file of a series: which slices are its frames, in the order of the file.
+struct ObjectPlan {
+  std::string fileName, sopUid;
+  std::vector<std::size_t> slices;
+  std::size_t firstFrame = 0;  // in its concatenation
 };
 
 struct SeriesPlan {
@@ -47,6 +63,8 @@ struct SeriesPlan {
   std::string lossyMethod;  // empty: lossless
   double storedBound = 0;   // largest difference of a decoded stored value from the uncompressed one
   std::vector<SlicePlan> slices;
+  std::vector<ObjectPlan> objects;  // empty: each slice is a file of its own
+  std::string concatenationUid;     // with more than one object
 };
 
 struct StudyPlan {

@@ -64,6 +64,7 @@ std::vector<std::int32_t> sampleSlice(const Field& whole, const SeriesPlan& seri
   std::vector<std::int32_t> stored(columns * static_cast<std::size_t>(series.rows));
   std::vector<double> value(columns), noise(columns);
   const StoredRange range = storedRange(series);
+  const double slope = slopeOf(series, slice);
   const double middleColumn = 0.5 * static_cast<double>(series.columns - 1);
   const double middleRow = 0.5 * static_cast<double>(series.rows - 1);
   Grain grain(seed, slice.noiseKey, series.columns);
@@ -76,9 +77,9 @@ std::vector<std::int32_t> sampleSlice(const Field& whole, const SeriesPlan& seri
     grain.nextRow(j);
     std::int32_t* out = stored.data() + static_cast<std::size_t>(j) * columns;
     for (std::size_t i = 0; i < columns; ++i) {
-      double modality = value[i] + slice.valueOffset;
+      double modality = slice.factor * value[i] + slice.valueOffset;
       if (noise[i] > 0.0) modality += noise[i] * grain.at(i);
-      const double v = std::floor((modality - series.intercept) / series.slope + 0.5);
+      const double v = std::floor((modality - series.intercept) / slope + 0.5);
       out[i] = static_cast<std::int32_t>(std::clamp<double>(v, range.low, range.high));
       if (series.padding) {
         const double dx = (static_cast<double>(i) - middleColumn) * series.columnSpacing_mm;
@@ -88,6 +89,10 @@ std::vector<std::int32_t> sampleSlice(const Field& whole, const SeriesPlan& seri
     }
   }
   return stored;
+}
+
+double slopeOf(const SeriesPlan& series, const SlicePlan& slice) {
+  return slice.slope != 0 ? slice.slope : series.slope;
 }
 
 double idealAt(const Field& field, glm::dvec3 p_mm) {

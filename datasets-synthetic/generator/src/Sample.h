@@ -17,6 +17,8 @@ StoredRange storedRange(const SeriesPlan&);
 // Stored values before any compression, row by row.
 std::vector<std::int32_t> sampleSlice(const Field&, const SeriesPlan&, const SlicePlan&, std::uint64_t seed);
 
+double slopeOf(const SeriesPlan&, const SlicePlan&);
+
 // The field without noise at a patient point, in modality units.
 double idealAt(const Field&, glm::dvec3 p_mm);
 

@@ -100,11 +100,22 @@ void describeStack(const VolumeInfo& info, bool across, Annotations& out) {
     out.what.push_back(plain("uneven slices, up to " + fixedDigits(e_mm, 2) + " mm", "uneven slices"));
 }
 
+// Where the letters L R A P H F do not apply, the picture says why it has none.
+struct NoLetters {
+  const char *line, *brief;
+};
+std::optional<NoLetters> whyNoLetters(const std::vector<Finding>& findings) {
+  if (says(findings, "quadruped")) return NoLetters{"quadruped: no letters", "quadruped"};
+  if (says(findings, "not-patient-frame"))
+    return NoLetters{"transducer's frame: no letters", "transducer's frame"};
+  return std::nullopt;
+}
+
 void describeVolume(const VolumeInfo& info, Interpolation interpolation, bool across, Annotations& out) {
   if (interpolation == Interpolation::Cubic) out.what.push_back(plain("cubic interpolation", "cubic"));
   describeStack(info, across, out);
   if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
-  if (says(info.findings, "quadruped")) out.what.push_back(plain("quadruped: no letters", "quadruped"));
+  if (const auto why = whyNoLetters(info.findings)) out.what.push_back(plain(why->line, why->brief));
 }
 
 TextLine windowLine(const VoiWindow& w, const std::string& unit, bool inverted) {
@@ -127,7 +138,7 @@ double roundedUp(double x) {
 Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, const VolumeInfo& info,
                           const VoiWindow& window) {
   Annotations out;
-  if (!says(info.findings, "quadruped")) out.letters = edgeLetters(picture);
+  if (!whyNoLetters(info.findings)) out.letters = edgeLetters(picture);
   out.mmPerPixel = picture.mmPerPixel;
   std::string what = layer.slab.thickness_mm > 0 ? slabName(layer.slab) : "MPR";
   const std::string method = what;
@@ -146,7 +157,7 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
 Annotations describeCurved(const CurvedLayer& layer, const CurvedPicture& picture, const VolumeInfo& info,
                            const VoiWindow& window) {
   Annotations out;
-  if (!says(info.findings, "quadruped")) out.letters = edgeLetters(picture);
+  if (!whyNoLetters(info.findings)) out.letters = edgeLetters(picture);
   out.mmPerPixel = picture.mmPerPixel;
   const std::string method =
       layer.slab.thickness_mm > 0 ? "curved " + slabName(layer.slab) : std::string("curved MPR");
@@ -160,13 +171,13 @@ Annotations describeCurved(const CurvedLayer& layer, const CurvedPicture& pictur
 Annotations describeImage(const ImageLayer& layer, const ImagePicture& picture, const ImageFrameInfo& info,
                           const VoiWindow& window) {
   Annotations out;
-  if (!says(info.findings, "quadruped")) out.letters = edgeLetters(layer, info);
+  if (!whyNoLetters(info.findings)) out.letters = edgeLetters(layer, info);
   // Both together turn the picture by 180 degrees: no mirror image. The letters follow in any case.
   out.flipped = layer.flipHorizontal != layer.flipVertical;
   out.mmPerPixel = picture.mmPerPixel;
   out.what.push_back(plain(std::to_string(info.index + 1) + "/" + std::to_string(info.count)));
   if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
-  if (says(info.findings, "quadruped")) out.what.push_back(plain("quadruped: no letters", "quadruped"));
+  if (const auto why = whyNoLetters(info.findings)) out.what.push_back(plain(why->line, why->brief));
   const auto chosen = layer.voiLut ? static_cast<std::size_t>(*layer.voiLut) : info.voiLuts.size();
   if (chosen < info.voiLuts.size()) {
     const std::string& name = info.voiLuts[chosen].explanation;

@@ -2,6 +2,9 @@
 #include "vernier/picture/Hatch.h"
 
 #include <algorithm>
+#include <atomic>
+
+#include "vernier/base/Threads.h"
 
 namespace vernier {
 namespace {
@@ -31,8 +34,9 @@ template <class PointAt>
 std::size_t hatch(Picture& picture, const Images& images, const GridGeometry& grid, const PointAt& pointAt) {
   if (grid.gapAfter.empty() || grid.even()) return 0;
   const VoxelFromPatient voxelFromPatient = grid.patientFromVoxel.inverse();
-  std::size_t n = 0;
-  for (int y = 0; y < picture.height; ++y)
+  std::atomic<std::size_t> count = 0;
+  const auto row = [&](int y) {
+    std::size_t n = 0;
     for (int x = 0; x < picture.width; ++x) {
       const std::size_t at =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x);
@@ -44,7 +48,12 @@ std::size_t hatch(Picture& picture, const Images& images, const GridGeometry& gr
       std::uint8_t* rgb = picture.at(x, y);
       rgb[0] = kLine.r, rgb[1] = kLine.g, rgb[2] = kLine.b;
     }
-  return n;
+    count += n;
+  };
+  parallelFor(static_cast<std::size_t>(picture.height), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y) row(static_cast<int>(y));
+  });
+  return count;
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ class InflateSource final : public ByteSource {
             makeError(ErrorCode::FileDamaged, "The deflated data set is damaged; ask for the file again.");
         break;
       }
-      if (bytes_.size() > (at_ - first_ + 1024) * limits::kMaxInflateRatio) {
+      if (bytes_.size() > std::max(limits::kAlwaysInflatedBytes, (at_ - first_) * limits::kMaxInflateRatio)) {
         failure_ =
             makeError(ErrorCode::LimitExceeded, "The deflated data set grows more than " +
                                                     std::to_string(limits::kMaxInflateRatio) +

@@ -100,10 +100,12 @@ Result<void> FrameSpec::checkFileCanHold(std::uint64_t fileBytes) const {
       least = allBytes / 64;
       break;  // a run of 128 bytes is packed in two
     case SyntaxKind::Deflated:
-      least = allBytes / limits::kMaxInflateRatio;
+      least = allBytes > limits::kAlwaysInflatedBytes ? allBytes / limits::kMaxInflateRatio : 0;
       break;
     case SyntaxKind::DeflatedFrames:
-      least = std::max(allBytes / limits::kMaxInflateRatio, framesDeclared * 8);
+      least = framesDeclared * 8;
+      if (allBytes / framesDeclared > limits::kAlwaysInflatedBytes)
+        least = std::max(least, allBytes / limits::kMaxInflateRatio);
       break;
     case SyntaxKind::Jpeg:
     case SyntaxKind::JpegLs:

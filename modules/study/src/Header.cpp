@@ -243,13 +243,13 @@ std::uint64_t readItem(ByteSource& s, std::uint64_t at, std::uint64_t end, Encod
 }
 }  // namespace
 
-std::vector<std::vector<Element>> itemsOf(const Header& header, const Element& sequence) {
+std::vector<std::vector<Element>> itemsOf(const Header& header, const Element& sequence, std::size_t most) {
   std::vector<std::vector<Element>> items;
   const auto source = memorySource(header.bytes);
   ByteSource& s = *source;
   const std::uint64_t end = sequence.offset + sequence.length;
   std::uint64_t at = sequence.offset;
-  while (at + 8 <= end) {
+  while (at + 8 <= end && items.size() < most) {
     const auto h = readHead(s, at, sequence.encoding);
     if (!h || h->tag != kItem) break;
     const bool open = h->length == kUndefined;

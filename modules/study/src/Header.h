@@ -7,6 +7,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -62,8 +63,10 @@ struct Header {
 // NotDicom when it doesn't look like DICOM at all. Any other trouble stands in Header::damage.
 Result<Header> readHeader(ByteSource& source);
 
-// The items of a sequence (nested sequences inside them are skipped over whole). Damaged parts are left out.
-std::vector<std::vector<Element>> itemsOf(const Header&, const Element& sequence);
+// The items of a sequence (nested sequences inside them are skipped over whole), at most `most`. Damaged parts are
+// left out.
+std::vector<std::vector<Element>> itemsOf(const Header&, const Element& sequence,
+                                          std::size_t most = std::numeric_limits<std::size_t>::max());
 const Element* findIn(const std::vector<Element>& item, Tag);
 
 // Unsigned and signed 16 bit value n of an element in its byte order; nullopt when it isn't there.

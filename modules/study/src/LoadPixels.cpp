@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pixels of slices and stacks: open, walk to the pixel data, read it into its place. One reader per thread
 // keeps its buffers and the index of the object that it read last, so that a stack of n files costs n opens
-// and no allocation.
+// and no allocation. Readers of one multi-frame object share its index; a deflated one is inflated once, in order, as a
+// stream.
 #include <algorithm>
+#include <map>
 #include <mutex>
 #include <optional>
 
 #include "decode/FrameDecode.h"
+#include "decode/InflatingSource.h"
 #include "decode/Samples.h"
 #include "vernier/base/Guarded.h"
 #include "vernier/base/Threads.h"
@@ -15,9 +18,26 @@
 namespace vernier {
 namespace {
 
+// Indices of multi-frame objects, made by the first reader that needs one while the others wait.
+class IndexCache {
+ public:
+  using Made = Result<std::shared_ptr<const study::PixelIndex>>;
+  template <class Make>
+  Made get(std::size_t instance, const Make& make) {
+    const std::scoped_lock lock(mutex_);
+    const auto at = made_.find(instance);
+    if (at != made_.end()) return at->second;
+    return made_.emplace(instance, make()).first->second;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::size_t, Made> made_;
+};
+
 class SliceReader {
  public:
-  explicit SliceReader(const StudySet& set) : set_(set) {}
+  explicit SliceReader(const StudySet& set, IndexCache* cache = nullptr) : set_(set), cache_(cache) {}
 
   // One frame in its own container, or in `container`.
   Result<void> read(SliceRef ref, std::optional<SampleType> container, std::span<std::byte> out) {
@@ -55,6 +75,10 @@ class SliceReader {
     const FrameSpec& spec = instance.pixels;
     const auto bytes = spec.frameBytes();
     if (!bytes) return bytes.error();
+    if (ref.frame == SliceRef::kEmptyFrame) {
+      std::ranges::fill(out, std::byte{0});
+      return {};
+    }
     if (ref.frame >= spec.framesDeclared)
       return makeError(ErrorCode::PixelDataMissing,
                        "The object has only " + std::to_string(spec.framesDeclared) + " frame(s); frame " +
@@ -66,15 +90,22 @@ class SliceReader {
       return makeError(ErrorCode::Internal, "decodeSlice() was given a buffer of the wrong size.",
                        "decodeSlice");
     if (same || study::sameSizeIntegers(spec.sample, *container)) {
-      if (auto r = study::decodeFrame(*source_, index_, spec, ref.frame, out, scratch_); !r) return r;
+      if (auto r = decodeFrame(spec, ref.frame, out); !r) return r;
       if (same || study::fitsSameSize(spec.sample, *container, out)) return {};
       return makeError(
           ErrorCode::CodecMismatch,
           "The image has values that do not fit the container of its stack; show it on its own.");
     }
     samples_.resize(*bytes);
-    if (auto r = study::decodeFrame(*source_, index_, spec, ref.frame, samples_, scratch_); !r) return r;
+    if (auto r = decodeFrame(spec, ref.frame, samples_); !r) return r;
     return study::convertSamples(spec.sample, samples_, *container, out);
+  }
+
+  Result<void> decodeFrame(const FrameSpec& spec, std::uint64_t frame, std::span<std::byte> out) {
+    Result<void> r = study::decodeFrame(*source_, *index_, spec, frame, out, scratch_);
+    // What a stream has to say of itself is the cause of what was found missing.
+    if (!r && stream_ && stream_->failure()) return *stream_->failure();
+    return r;
   }
 
   Result<void> openInstance(std::size_t number) {
@@ -87,16 +118,29 @@ class SliceReader {
     const FileRecord& record = set_.files[instance.file];
     if (auto r = file_.open(record.path, record.shown); !r) return r;
     source_ = &file_;
+    stream_.reset();
     auto dataSet = study::dataSetOffset(file_);
     if (!dataSet) return dataSet.error();
+    const bool many = instance.pixels.framesDeclared > 1;
     if (syntaxKind(instance.pixels.transferSyntaxUid) == SyntaxKind::Deflated) {
-      if (auto r = inflate(*dataSet); !r) return r;
+      if (auto r = many ? stream(*dataSet) : inflate(*dataSet); !r) return r;
       dataSet = std::uint64_t{0};
     }
-    auto index = study::indexPixels(*source_, *dataSet, instance.pixels);
+    const auto make = [&]() -> IndexCache::Made {
+      auto index = study::indexPixels(*source_, *dataSet, instance.pixels);
+      if (index) return std::make_shared<const study::PixelIndex>(std::move(*index));
+      return stream_ && stream_->failure() ? *stream_->failure() : index.error();
+    };
+    const auto index = many && cache_ ? cache_->get(number, make) : make();
     if (!index) return index.error();
-    index_ = std::move(*index);
+    index_ = *index;
     opened_ = number;
+    return {};
+  }
+
+  Result<void> stream(std::uint64_t dataSet) {
+    stream_.emplace(file_, dataSet);
+    source_ = &*stream_;
     return {};
   }
 
@@ -113,12 +157,14 @@ class SliceReader {
   }
 
   const StudySet& set_;
+  IndexCache* cache_;
   std::optional<std::size_t> opened_;  // instance whose index is held
   study::FileSource file_;
   std::vector<std::byte> inflated_;
   std::optional<study::SpanSource> memory_;
   study::Source* source_ = nullptr;
-  study::PixelIndex index_;
+  std::optional<study::InflatingSource> stream_;
+  std::shared_ptr<const study::PixelIndex> index_;
   study::Scratch scratch_;
   std::vector<std::byte> samples_;
 };
@@ -129,6 +175,7 @@ bool sameShape(const FrameSpec& a, const FrameSpec& b) {
 
 // What the threads of one decodeStack() share.
 struct StackWork {
+  IndexCache indices;
   std::mutex mutex;
   std::uint64_t done = 0;
   std::vector<SliceFailure> failed;
@@ -151,7 +198,38 @@ Result<FrameSpec> shapeOf(const StudySet& set, const Stack& stack, SampleType sa
                    "No slice of the stack has a usable description of its pixels.");
 }
 
+// Slices that one reader takes one after the other: runs of neighbours, so that buffers and the index of a multi-frame
+// object are used again, short enough to balance; of a deflated multi-frame object all, in the order of the file.
+std::vector<std::vector<std::size_t>> jobsOf(const StudySet& set, const Stack& stack) {
+  const std::size_t n = stack.slices.size();
+  const std::size_t run = std::clamp<std::size_t>(n / (static_cast<std::size_t>(threads()) * 8), 1, 32);
+  std::map<std::size_t, std::vector<std::size_t>> streams;
+  std::vector<std::vector<std::size_t>> jobs;
+  for (std::size_t s = 0; s < n; ++s) {
+    const FrameSpec& spec = set.instances[stack.slices[s].instance].pixels;
+    if (spec.framesDeclared > 1 && syntaxKind(spec.transferSyntaxUid) == SyntaxKind::Deflated) {
+      streams[stack.slices[s].instance].push_back(s);
+    } else {
+      if (jobs.empty() || jobs.back().size() >= run) jobs.emplace_back();
+      jobs.back().push_back(s);
+    }
+  }
+  for (auto& [instance, slices] : streams) {
+    std::ranges::sort(slices, {}, [&](std::size_t s) { return stack.slices[s].frame; });
+    jobs.push_back(std::move(slices));
+  }
+  return jobs;
+}
+
 }  // namespace
+
+struct FrameReader::Impl {
+  explicit Impl(const StudySet& set) : reader(set) {}
+  SliceReader reader;
+};
+FrameReader::FrameReader(const StudySet& set) : impl_(std::make_unique<Impl>(set)) {}
+FrameReader::~FrameReader() = default;
+Result<void> FrameReader::read(SliceRef ref, std::span<std::byte> out) { return impl_->reader.read(ref, std::nullopt, out); }
 
 Result<void> decodeSlice(const StudySet& set, SliceRef ref, std::span<std::byte> out) {
   return guarded("decodeSlice", [&] { return SliceReader(set).read(ref, std::nullopt, out); });
@@ -172,12 +250,11 @@ Result<void> decodeStack(const StudySet& set, const Stack& stack, SampleType sam
                      "decodeStack");
 
   StackWork work;
-  // Runs of slices, so that buffers and the index of a multi-frame object are used again; short enough to
-  // balance.
-  const std::size_t grain = std::clamp<std::size_t>(n / (static_cast<std::size_t>(threads()) * 8), 1, 32);
-  parallelFor(n, grain, [&](std::size_t begin, std::size_t end) {
-    SliceReader reader(set);
-    for (std::size_t s = begin; s < end && !stop.stop_requested(); ++s) {
+  const auto jobs = jobsOf(set, stack);
+  const auto runJob = [&](const std::vector<std::size_t>& slices) {
+    SliceReader reader(set, &work.indices);
+    for (const std::size_t s : slices) {
+      if (stop.stop_requested()) return;
       const std::span<std::byte> to = out.subspan(s * *sliceBytes, *sliceBytes);
       const FrameSpec& spec = set.instances[stack.slices[s].instance].pixels;
       const bool fits = sameShape(spec, *shape) || set.instances[stack.slices[s].instance].pixelError;
@@ -188,6 +265,9 @@ Result<void> decodeStack(const StudySet& set, const Stack& stack, SampleType sam
       ++work.done;
       if (progress) progress("decode", work.done, n);
     }
+  };
+  parallelFor(jobs.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t j = begin; j < end; ++j) runJob(jobs[j]);
   });
   if (stop.stop_requested() && work.done < n)
     return makeError(ErrorCode::Cancelled, "Loading was cancelled.");

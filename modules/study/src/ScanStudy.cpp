@@ -11,6 +11,7 @@
 #include "DicomDir.h"
 #include "FileWalk.h"
 #include "Group.h"
+#include "References.h"
 #include "SeriesFindings.h"
 #include "SopClasses.h"
 #include "Stacks.h"
@@ -120,8 +121,9 @@ std::optional<ValuesDigest> digestOf(const StudySet& set, std::size_t n) {
   if (!i.isImage || i.pixelError || !bytes) return std::nullopt;
   std::vector<std::byte> frame(*bytes);
   ValuesDigest digest;
+  FrameReader reader(set);
   for (std::uint64_t f = 0; f < i.pixels.framesDeclared; ++f) {
-    if (!decodeSlice(set, {n, f}, frame)) return std::nullopt;
+    if (!reader.read({n, f}, frame)) return std::nullopt;
     digest.add(frame);
   }
   return digest;
@@ -255,6 +257,7 @@ Result<StudySet> scanGuarded(const std::vector<std::string>& paths, const Progre
   for (Finding& f : grouping.findings) set.findings.push_back(std::move(f));
 
   const auto fileName = [&](std::size_t r) { return set.files[records[r].instance.file].shown; };
+  for (Finding& f : attachRealWorld(records)) set.findings.push_back(std::move(f));
   for (const Record& r : records) set.instances.push_back(r.instance);
   const auto digests = digestsOfNamesakes(set);
   for (Finding& f : settleIdentity(
@@ -264,7 +267,9 @@ Result<StudySet> scanGuarded(const std::vector<std::string>& paths, const Progre
   for (Series& s : set.series) {
     fillStacks(records, s);
     for (Finding& f : seriesFindings(records, s.instances, fileName)) s.findings.push_back(std::move(f));
+    for (Finding& f : concatenationFindings(records, s.instances, fileName)) s.findings.push_back(std::move(f));
   }
+  linkConverted(records, set.series);
   return set;
 }
 

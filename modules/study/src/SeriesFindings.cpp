@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "vernier/study/Limits.h"
+
 namespace vernier {
 namespace {
 
@@ -50,13 +52,17 @@ bool near(const glm::dvec3& a, const glm::dvec3& b) {
 
 std::size_t countOrientations(const std::vector<Record>& records, const Members& members) {
   std::vector<FramePlane> seen;
+  const auto add = [&](const std::optional<FramePlane>& p) {
+    const bool known = !p || std::any_of(seen.begin(), seen.end(), [&](const FramePlane& q) {
+      return near(p->rowDirection.v, q.rowDirection.v) && near(p->columnDirection.v, q.columnDirection.v);
+    });
+    if (!known && seen.size() < limits::kMaxStacksPerSeries) seen.push_back(*p);
+  };
   for (const std::size_t m : members) {
-    const auto& p = records[m].instance.plane;
-    if (!p || std::any_of(seen.begin(), seen.end(), [&](const FramePlane& q) {
-          return near(p->rowDirection.v, q.rowDirection.v) && near(p->columnDirection.v, q.columnDirection.v);
-        }))
-      continue;
-    seen.push_back(*p);
+    const Instance& i = records[m].instance;
+    add(i.plane);
+    if (i.frames)
+      for (const FrameAttributes& f : *i.frames) add(f.plane);
   }
   return seen.size();
 }
@@ -105,6 +111,11 @@ std::vector<Finding> seriesFindings(const std::vector<Record>& records, const Me
                                     const FileName& fileName) {
   Collector c(records, members, fileName);
   reportDifferences(records, c);
+  for (const std::size_t m : members)
+    for (Finding f : records[m].findings) {
+      f.numbers["file"] = fileName(m);
+      c.out.push_back(std::move(f));
+    }
   for (const std::size_t m : members)
     if (records[m].frameWindows > 1)
       c.out.push_back({"window-differs-per-frame",

@@ -54,8 +54,11 @@ bool windowPerImage(const Stack& stack, const std::string& modality) {
          std::find(kPerImage.begin(), kPerImage.end(), modality) != kPerImage.end();
 }
 
-std::optional<FramePlane> planeOf(const Stack& stack, std::size_t slice, const Instance& i) {
-  if (i.pixels.framesDeclared <= 1 || stack.shape == StackShape::NoGeometry) return i.plane;
+// The frame's own place; frames without one (empty ones of a segmentation) lie where the grid says.
+std::optional<FramePlane> planeOf(const Stack& stack, std::size_t slice, const SliceFacts& s) {
+  const Instance& i = *s.object;
+  const bool own = i.pixels.framesDeclared <= 1 || (i.frames && stack.slices[slice].frame < i.frames->size());
+  if (own || stack.shape == StackShape::NoGeometry) return s.frame->plane;
   const GridGeometry& g = stack.grid;
   const glm::dvec3 at = g.even() ? glm::dvec3(0, 0, static_cast<double>(slice)) : g.sliceOrigin_vox[slice];
   const glm::dmat3& m = g.patientFromVoxel.linear;
@@ -78,47 +81,50 @@ std::optional<Volume::Range> percentilesOf(const ImageFrameInfo& i, const std::b
 }
 
 // Marks in `pixels` what lossy compression has blurred and returns the padding that counts then.
-std::optional<NoDataRange> markBlur(Pixels& pixels, const Instance& i) {
-  const std::optional<NoDataRange> declared = paddingOf(i);
-  if (!mayBlurPadding(i)) return declared;
+std::optional<NoDataRange> markBlur(Pixels& pixels, const SliceFacts& s) {
+  const Instance& i = *s.object;
+  const std::optional<NoDataRange> declared = paddingOf(s);
+  if (!mayBlurPadding(i, *s.frame)) return declared;
   const NoDataRange padding = declared.value_or(blurredPaddingOf(pixels.type));
   const auto changed = markBlurredPadding(
       pixels.type, pixels.buffer.data(), static_cast<std::int64_t>(i.pixels.columns),
-      static_cast<std::int64_t>(i.pixels.rows), padding, leastTissue_stored(i.rescale), padding.first);
+      static_cast<std::int64_t>(i.pixels.rows), padding, leastTissue_stored(s.frame->rescale), padding.first);
   return changed > 0 ? padding : declared;
 }
 
 // Blurred padding would widen the window; the frame itself keeps its stored pixels, so a copy is marked.
 std::optional<Volume::Range> percentilesWithoutBlur(const ImageFrameInfo& info, const Pixels& pixels,
-                                                    const Instance& i) {
-  if (!mayBlurPadding(i)) return percentilesOf(info, pixels.buffer.data(), paddingOf(i));
+                                                    const SliceFacts& s) {
+  if (!mayBlurPadding(*s.object, *s.frame)) return percentilesOf(info, pixels.buffer.data(), paddingOf(s));
   auto copy = Buffer::make(pixels.buffer.size());
   if (!copy) return std::nullopt;
   std::memcpy(copy->data(), pixels.buffer.data(), pixels.buffer.size());
   Pixels marked{pixels.type, std::move(copy).value()};
-  const std::optional<NoDataRange> padding = markBlur(marked, i);
+  const std::optional<NoDataRange> padding = markBlur(marked, s);
   return percentilesOf(info, marked.buffer.data(), padding);
 }
 
-ImageFrameInfo describe(const Series& series, const Stack& stack, std::size_t slice, const Instance& i,
-                        const Instance& windowSource) {
+ImageFrameInfo describe(const Series& series, const Stack& stack, std::size_t slice, const SliceFacts& s,
+                        const SliceFacts& windowSource) {
+  const Instance& i = *s.object;
+  const FrameAttributes& f = *s.frame;
   ImageFrameInfo info;
   info.columns = static_cast<std::int64_t>(i.pixels.columns);
   info.rows = static_cast<std::int64_t>(i.pixels.rows);
-  info.unscaled = i.rescaleInvalid;
+  info.unscaled = f.rescaleInvalid;
   if (!info.unscaled) {
-    info.rescale = i.rescale;
+    info.rescale = f.rescale;
     if (i.modalityLut && !i.modalityLut->data.empty()) info.modalityLut = i.modalityLut;
-    info.windows = windowsOf(windowSource, info.findings);
-    info.voiLuts = windowSource.voiLuts;
-    if (!i.unit.empty()) info.unit = i.unit;
+    info.windows = windowsOf(*windowSource.frame, info.findings);
+    info.voiLuts = windowSource.object->voiLuts;
+    if (!f.unit.empty()) info.unit = f.unit;
   }
-  if (const auto padding = paddingOf(i); padding && !liesInTissueRange(i, *padding)) info.noData = padding;
+  if (const auto padding = paddingOf(s); padding && !liesInTissueRange(i, *padding)) info.noData = padding;
   info.inverted = isInverted(i);
   info.modality = i.modality.empty() ? series.modality : i.modality;
-  info.plane = planeOf(stack, slice, i);
+  info.plane = planeOf(stack, slice, s);
   info.patientOrientation = i.patientOrientation;
-  info.pixelSpacing_mm = i.pixelSpacing_mm;
+  info.pixelSpacing_mm = f.pixelSpacing_mm;
   info.index = static_cast<std::int64_t>(slice);
   info.count = static_cast<std::int64_t>(stack.slices.size());
   info.title = series.description;
@@ -146,14 +152,14 @@ std::optional<VoiWindow> windowOfStack(const StudySet& set, const Stack& stack) 
   std::optional<NoDataRange> padding;
   for (std::size_t k = 0; k < used; ++k) {
     if (!decoded[k]) continue;
-    const Instance& i = set.instances[refOf(k).instance];
-    if (i.modalityLut) return std::nullopt;
-    if (!first) first = &i, type = decoded[k]->type;
+    const SliceFacts facts = factsOf(set, refOf(k));
+    if (facts.object->modalityLut) return std::nullopt;
+    if (!first) first = facts.object, type = decoded[k]->type;
     if (decoded[k]->type != type) continue;
-    const std::optional<NoDataRange> here = markBlur(*decoded[k], i);
+    const std::optional<NoDataRange> here = markBlur(*decoded[k], facts);
     if (!padding) padding = here;
     values.push_back({decoded[k]->buffer.data(), decoded[k]->buffer.size() / bytesOf(type),
-                      i.rescaleInvalid ? ModalityRescale{} : i.rescale});
+                      facts.frame->rescaleInvalid ? ModalityRescale{} : facts.frame->rescale});
   }
   if (!first) return std::nullopt;
   const auto range = percentiles1And99(type, values, padding);
@@ -178,8 +184,8 @@ Result<std::shared_ptr<const ImageFrame>> build(const StudySet& set, const Serie
   if (!pixels) return pixels.error();
 
   const bool perImage = windowPerImage(stack, i.modality);
-  const Instance& middle = set.instances[stack.slices[stack.slices.size() / 2].instance];
-  ImageFrameInfo info = describe(series, stack, slice, i, perImage ? i : middle);
+  const SliceFacts facts = factsOf(set, ref), middle = factsOf(set, stack.slices[stack.slices.size() / 2]);
+  ImageFrameInfo info = describe(series, stack, slice, facts, perImage ? facts : middle);
   info.type = pixels->type;
   if (known) {
     info.autoWindow = *known;
@@ -187,7 +193,7 @@ Result<std::shared_ptr<const ImageFrame>> build(const StudySet& set, const Serie
     std::optional<VoiWindow> window;
     if (info.windows.empty() && info.voiLuts.empty() && !perImage) window = windowOfStack(set, stack);
     const std::byte* const data = pixels->buffer.data();
-    auto range = percentilesWithoutBlur(info, *pixels, i);
+    auto range = percentilesWithoutBlur(info, *pixels, facts);
     if (!range) range = percentilesOf(info, data, info.noData);  // nothing but tissue-range padding
     info.autoWindow = window.value_or(windowOver(range, leastWidth(info.type, info.rescale)));
   }

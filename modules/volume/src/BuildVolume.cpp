@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A stack becomes a volume: memory is reserved, slices are decoded into their place, what failed becomes a
-// gap, padding is found, and only where slopes differ (or a modality LUT stands) the values are converted
-// once to float.
+// gap, padding is found, and only where slopes or padding differ (or a modality LUT stands) the values are
+// converted once to float.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -49,7 +49,7 @@ class Builder {
   const Instance& instanceOf(std::size_t slice) const {
     return set_.instances[stack_.slices[slice].instance];
   }
-  const Instance& middle() const { return *kept_[kept_.size() / 2]; }
+  const SliceFacts& middle() const { return kept_[kept_.size() / 2]; }
 
   Result<void> checkStack() {
     if (!stack_.volume3d)
@@ -59,32 +59,39 @@ class Builder {
     if (stack_.slices.empty() || static_cast<std::size_t>(stack_.grid.slices) != stack_.slices.size())
       return makeError(ErrorCode::Internal,
                        "The stack's geometry does not have as many slices as the stack.");
-    std::vector<const Instance*> all;
+    std::vector<const Instance*> objects;
+    std::vector<SliceFacts> all;
     for (const SliceRef& s : stack_.slices) {
       if (s.instance >= set_.instances.size())
         return makeError(ErrorCode::Internal, "The stack names an object that is not in the study.");
-      all.push_back(&set_.instances[s.instance]);
-      if (!all.back()->pixelError)
-        if (Result<void> single = checkSingleSample(*all.back()); !single) return single;
+      all.push_back(factsOf(set_, s));
+      const Instance* const object = all.back().object;
+      if (!objects.empty() && objects.back() == object) continue;
+      objects.push_back(object);
+      if (!object->pixelError)
+        if (Result<void> single = checkSingleSample(*object); !single) return single;
     }
-    sample_ = commonSample(all);
+    sample_ = commonSample(objects);
     info_.type = voxelTypeOf(sample_);
     converts_ = needsConversion(all);
     return {};
   }
 
-  // Different slopes, or a modality LUT. Where a rescale is refused all slices are shown unscaled, alike.
-  bool needsConversion(const std::vector<const Instance*>& all) {
-    const Instance* first = nullptr;
+  // Different slopes or padding, or a modality LUT. Where a rescale is refused all slices are shown unscaled,
+  // alike.
+  bool needsConversion(const std::vector<SliceFacts>& all) {
+    const SliceFacts* first = nullptr;
     bool differ = false;
-    for (const Instance* i : all) {
-      if (i->pixelError) continue;
-      if (!first) first = i;
-      info_.unscaled |= i->rescaleInvalid;
-      lut_ |= i->modalityLut && !i->modalityLut->data.empty();
-      differ |= i->rescale != first->rescale;
+    for (const SliceFacts& s : all) {
+      if (s.object->pixelError) continue;
+      if (!first) first = &s;
+      info_.unscaled |= s.frame->rescaleInvalid;
+      lut_ |= s.object->modalityLut && !s.object->modalityLut->data.empty();
+      differ |= s.frame->rescale != first->frame->rescale;
+      paddingDiffers_ |= s.frame->paddingFirst != first->frame->paddingFirst ||
+                         s.frame->paddingLast != first->frame->paddingLast;
     }
-    return !info_.unscaled && (lut_ || differ);
+    return paddingDiffers_ || (!info_.unscaled && (lut_ || differ));
   }
 
   Result<std::uint64_t> bytesFor(std::uint64_t perVoxel) const {
@@ -129,7 +136,7 @@ class Builder {
     for (std::size_t n = 0; n < kept.size(); ++n) {
       if (n != kept[n])
         std::memmove(voxels_.data() + n * sliceBytes, voxels_.data() + kept[n] * sliceBytes, sliceBytes);
-      kept_.push_back(&instanceOf(kept[n]));
+      kept_.push_back(factsOf(set_, stack_.slices[kept[n]]));
     }
     voxels_.shrink(kept.size() * sliceBytes);
     info_.grid = withoutSlices(stack_.grid, kept);
@@ -178,12 +185,13 @@ class Builder {
   }
 
   void describe() {
-    const Instance& m = middle();
+    const Instance& m = *middle().object;
+    const FrameAttributes& f = *middle().frame;
     info_.modality = series_.modality.empty() ? m.modality : series_.modality;
     if (!info_.unscaled) {
-      info_.rescale = {kept_.front()->rescale};
-      info_.unit = m.unit.empty() ? "stored value" : m.unit;
-      info_.windows = windowsOf(m, info_.findings);  // one window for the stack: the middle slice's
+      info_.rescale = {kept_.front().frame->rescale};
+      info_.unit = f.unit.empty() ? "stored value" : f.unit;
+      info_.windows = windowsOf(f, info_.findings);  // one window for the stack: the middle slice's
       info_.voiLuts = m.voiLuts;
     }
     info_.inverted = isInverted(m);
@@ -216,24 +224,27 @@ class Builder {
 
   void markPadding() {
     const auto padding = paddingOf(middle());
-    if (padding && liesInTissueRange(middle(), *padding)) {
+    if (paddingDiffers_) {
+      // Each slice has its own, taken out when the values are converted.
+    } else if (padding && liesInTissueRange(*middle().object, *padding)) {
       info_.paddingInTissueRange = true;
       info_.windowNoData = padding;
     } else {
       info_.noData = padding;
     }
-    if (std::any_of(kept_.begin(), kept_.end(), [](const Instance* i) { return mayBlurPadding(*i); }))
-      markBlurred();
+    if (std::any_of(kept_.begin(), kept_.end(), mayBlur)) markBlurred();
   }
+
+  static bool mayBlur(const SliceFacts& s) { return mayBlurPadding(*s.object, *s.frame); }
 
   void markBlurred() {
     const NoDataRange padding = info_.noData.value_or(blurredPaddingOf(info_.type));
     std::atomic<std::uint64_t> changed{0};
     parallelFor(kept_.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t s = begin; s < end; ++s) {
-        if (!mayBlurPadding(*kept_[s])) continue;
+        if (!mayBlur(kept_[s])) continue;
         changed += markBlurredPadding(info_.type, sliceAt(s), info_.grid.columns, info_.grid.rows, padding,
-                                      leastTissue_stored(kept_[s]->rescale), padding.first);
+                                      leastTissue_stored(kept_[s].frame->rescale), padding.first);
       }
     });
     if (changed == 0) return;
@@ -256,11 +267,12 @@ class Builder {
     parallelFor(kept_.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t s = begin; s < end; ++s)
         withVoxels(info_.type, sliceAt(s), [&](const auto* v) {
-          convertSlice(v, reinterpret_cast<float*>(floats.data()) + s * n, n, *kept_[s]);
+          convertSlice(v, reinterpret_cast<float*>(floats.data()) + s * n, n, kept_[s]);
         });
     });
     original_.type = info_.type;
-    for (const Instance* i : kept_) original_.rescale.push_back(i->rescale);
+    for (const SliceFacts& s : kept_)
+      original_.rescale.push_back(info_.unscaled ? ModalityRescale{} : s.frame->rescale);
     original_.noData = info_.noData;
     original_.throughLut = lut_;
     original_.voxels = std::exchange(voxels_, std::move(floats));
@@ -272,13 +284,21 @@ class Builder {
   }
 
   template <class T>
-  void convertSlice(const T* v, float* out, std::size_t n, const Instance& i) const {
-    const LutTable* const lut = i.modalityLut && !i.modalityLut->data.empty() ? &*i.modalityLut : nullptr;
+  void convertSlice(const T* v, float* out, std::size_t n, const SliceFacts& s) const {
+    const auto& table = s.object->modalityLut;
+    const LutTable* const lut = !info_.unscaled && table && !table->data.empty() ? &*table : nullptr;
+    const ModalityRescale rescale = info_.unscaled ? ModalityRescale{} : s.frame->rescale;
+    const std::optional<NoDataRange> noData = paddingDiffers_ ? ownPadding(s) : info_.noData;
     for (std::size_t p = 0; p < n; ++p) {
       const double x = static_cast<double>(v[p]);
-      const double y = lut ? lookUp(*lut, x) : i.rescale.slope * x + i.rescale.intercept;
-      out[p] = inRange(info_.noData, x) ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(y);
+      const double y = lut ? lookUp(*lut, x) : rescale.slope * x + rescale.intercept;
+      out[p] = inRange(noData, x) ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(y);
     }
+  }
+
+  static std::optional<NoDataRange> ownPadding(const SliceFacts& s) {
+    const auto padding = paddingOf(s);
+    return padding && liesInTissueRange(*s.object, *padding) ? std::nullopt : padding;
   }
 
   // Tissue-range padding is 0 stored, which is each slice's intercept. Where intercepts differ it cannot be
@@ -299,8 +319,8 @@ class Builder {
   const Stack& stack_;
   const BuildOptions& options_;
   SampleType sample_ = SampleType::U16;
-  bool converts_ = false, lut_ = false;
-  std::vector<const Instance*> kept_;  // of each slice that was decoded
+  bool converts_ = false, lut_ = false, paddingDiffers_ = false;
+  std::vector<SliceFacts> kept_;  // of each slice that was decoded
   VolumeInfo info_;
   Buffer voxels_;
   OriginalVoxels original_;

@@ -15,8 +15,8 @@ inline constexpr double kLeastTissue_hu = -1024;
 NoDataRange blurredPaddingOf(VoxelType);
 
 // Whether the rule applies: lossy, and in Hounsfield units by a rising slope.
-inline bool mayBlurPadding(const Instance& i) {
-  return i.lossy && i.unit == "HU" && !i.modalityLut && !i.rescaleInvalid && i.rescale.slope > 0;
+inline bool mayBlurPadding(const Instance& i, const FrameAttributes& f) {
+  return i.lossy && f.unit == "HU" && !i.modalityLut && !f.rescaleInvalid && f.rescale.slope > 0;
 }
 inline double leastTissue_stored(const ModalityRescale& r) {
   return (kLeastTissue_hu - r.intercept) / r.slope;

@@ -83,8 +83,15 @@ SampleType commonSample(const std::vector<const Instance*>& instances) {
   return anySigned ? SampleType::I32 : SampleType::U32;
 }
 
-std::optional<NoDataRange> paddingOf(const Instance& i) {
-  if (!i.paddingFirst) return std::nullopt;
+SliceFacts factsOf(const StudySet& set, SliceRef ref) {
+  const Instance& i = set.instances[ref.instance];
+  return {&i, &i.frame(ref.frame)};
+}
+
+std::optional<NoDataRange> paddingOf(const SliceFacts& facts) {
+  const Instance& i = *facts.object;
+  const FrameAttributes& f = *facts.frame;
+  if (!f.paddingFirst) return std::nullopt;
   const double turn = std::exp2(std::clamp<double>(i.pixels.bitsAllocated, 1, 32));
   const auto asPixel = [&](double v) {
     if (i.pixels.isFloat()) return v;
@@ -92,7 +99,7 @@ std::optional<NoDataRange> paddingOf(const Instance& i) {
     if (!i.pixels.isSigned && v < 0) return v + turn;
     return v;
   };
-  const double a = asPixel(*i.paddingFirst), b = asPixel(i.paddingLast.value_or(*i.paddingFirst));
+  const double a = asPixel(*f.paddingFirst), b = asPixel(f.paddingLast.value_or(*f.paddingFirst));
   if (std::isnan(a) || std::isnan(b)) return std::nullopt;
   return NoDataRange{std::min(a, b), std::max(a, b)};
 }
@@ -105,10 +112,10 @@ bool isInverted(const Instance& i) {
   return i.photometric == "MONOCHROME1" || i.presentationLutShape == "INVERSE";
 }
 
-std::vector<VoiWindow> windowsOf(const Instance& i, std::vector<Finding>& findings) {
+std::vector<VoiWindow> windowsOf(const FrameAttributes& frame, std::vector<Finding>& findings) {
   std::vector<VoiWindow> out;
   bool narrow = false;
-  for (const VoiWindow& w : i.windows) {
+  for (const VoiWindow& w : frame.windows) {
     if (!usableWindow(w)) continue;
     out.push_back(normalised(w));
     narrow |= out.back().function != w.function;

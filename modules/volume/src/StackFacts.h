@@ -20,9 +20,16 @@ VoxelType voxelTypeOf(SampleType);
 // The smallest container that holds the samples of all these instances; those with a pixelError don't count.
 SampleType commonSample(const std::vector<const Instance*>&);
 
+// What holds for one slice: its object and its frame's attributes.
+struct SliceFacts {
+  const Instance* object = nullptr;
+  const FrameAttributes* frame = nullptr;
+};
+SliceFacts factsOf(const StudySet&, SliceRef);
+
 // PixelPaddingValue and range limit in stored values, with the pixel's sign: a value that was written with
 // the other sign (0xF830 for -2000) is read back as the pixels are.
-std::optional<NoDataRange> paddingOf(const Instance&);
+std::optional<NoDataRange> paddingOf(const SliceFacts&);
 
 // MR padding of 0 lies among the tissue values: it is left out of the automatic window only.
 bool liesInTissueRange(const Instance&, const NoDataRange&);
@@ -31,7 +38,7 @@ bool liesInTissueRange(const Instance&, const NoDataRange&);
 // both says the same thing twice (the DX Image module asks for both).
 bool isInverted(const Instance&);
 
-// The file's usable windows, widths below 1 under LINEAR taken as LINEAR_EXACT with a notice.
-std::vector<VoiWindow> windowsOf(const Instance&, std::vector<Finding>& findings);
+// The frame's usable windows, widths below 1 under LINEAR taken as LINEAR_EXACT with a notice.
+std::vector<VoiWindow> windowsOf(const FrameAttributes&, std::vector<Finding>& findings);
 
 }  // namespace vernier

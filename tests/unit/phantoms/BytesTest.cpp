@@ -44,6 +44,9 @@ std::vector<Variant> variants() {
   all.push_back({"marschner-lobb", {{"n", "64"}}});
   all.push_back({"duplicate", {{"kind", "position"}}});
   all.push_back({"small-ct", {{"seed", "7"}}});
+  all.push_back({"enhanced-ct", {{"parts", "2"}}});
+  all.push_back({"enhanced-mr", {{"contrast", "diffusion"}}});
+  all.push_back({"dose", {{"bits", "16"}, {"offsets", "absolute"}}});
   return all;
 }
 
@@ -112,7 +115,7 @@ TEST(PhantomBytes, EqualTheManifest) {
 
 TEST(PhantomBytes, DoNotDependOnThreadsOrOnFilesOfAnEarlierRun) {
   const int before = threads();
-  for (const char* name : {"small-ct", "syntaxes", "shuffled"}) {
+  for (const char* name : {"small-ct", "syntaxes", "shuffled", "enhanced-ct", "segmentation"}) {
     TempDir dir;
     std::string first;
     for (const int n : {1, 2, 3}) {

@@ -28,6 +28,11 @@ struct ReadFile {
   int at(int column, int row) const { return stored[static_cast<std::size_t>(row * columns + column)]; }
 };
 
+// Recipes with multi-frame objects, which readFolder() does not read: MultiFrameTest.cpp does.
+inline bool isMultiFrame(const std::string& recipe) {
+  return recipe == "dose" || recipe == "enhanced-ct" || recipe == "enhanced-mr" || recipe == "segmentation";
+}
+
 // Decodes all *.dcm of a folder, by file name. Fails the test on any error.
 std::vector<ReadFile> readFolder(const std::filesystem::path& folder);
 

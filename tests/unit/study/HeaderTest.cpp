@@ -8,7 +8,6 @@
 #include <array>
 
 #include "Attributes.h"
-#include "FrameWindows.h"
 #include "HeaderBytes.h"
 #include "Text.h"
 #include "vernier/base/Random.h"
@@ -361,7 +360,8 @@ TEST(Attributes, DifferentWindowsOfFrames) {
   };
   const auto windowsOf = [&](const char* shared, const std::vector<const char*>& frames) {
     Bytes b;
-    b.part10().ctObject().element(0x28, 0x1050, "DS", "1").element(0x28, 0x1051, "DS", "2");
+    b.part10().ctObject().element(0x28, 0x0008, "IS", std::to_string(frames.size()));
+    b.element(0x28, 0x1050, "DS", "1").element(0x28, 0x1051, "DS", "2");
     b.longHead(0x5200, 0x9229, "SQ", kUndefinedLength).item(kUndefinedLength);
     if (shared) b.raw(group(shared));
     b.itemEnd().sequenceEnd();
@@ -375,7 +375,7 @@ TEST(Attributes, DifferentWindowsOfFrames) {
     const auto source = memorySource(b.span());
     const auto h = readHeader(*source);
     EXPECT_TRUE(h && !h->damage);
-    return h ? differentFrameWindows(*h) : 0;
+    return h ? recordFrom(*h).frameWindows : 0;
   };
   EXPECT_EQ(windowsOf("400", {"350", nullptr, nullptr}), 2u);
   EXPECT_EQ(windowsOf("400", {"350", "300", "250"}), 3u);

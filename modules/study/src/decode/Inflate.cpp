@@ -28,10 +28,10 @@ Result<std::vector<std::byte>> inflateAll(ByteSpan deflated) {
   if (!s.ready) return makeError(ErrorCode::OutOfMemory, "There is no memory to inflate the data set.");
   if (deflated.size() > std::numeric_limits<uInt>::max())
     return makeError(ErrorCode::LimitExceeded, "The deflated data set is larger than 4 GiB.");
-  // A small data set may be packed denser than the ratio allows; one block of 64 KiB is always granted.
+  // A small data set may be packed denser than the ratio allows.
   const std::uint64_t cap =
       std::min(limits::kMaxInflatedBytes,
-               std::max<std::uint64_t>(64 << 10, deflated.size() * limits::kMaxInflateRatio));
+               std::max(limits::kAlwaysInflatedBytes, deflated.size() * limits::kMaxInflateRatio));
   s.z.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(deflated.data()));
   s.z.avail_in = static_cast<uInt>(deflated.size());
   std::vector<std::byte> out;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every limit on what a file may ask for, in one place; `vernier doctor` prints them, tests stand at and over each.
+// Every limit on what a file may ask for, in one place; `vernier doctor` prints them, tests stand at and over
+// each.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 
 namespace vernier::limits {
@@ -8,15 +10,20 @@ inline constexpr std::uint64_t kMaxRows = 65535, kMaxColumns = 65535;
 inline constexpr std::uint64_t kMaxFrames = 100'000;
 inline constexpr std::uint64_t kMaxDecodedFrameBytes = std::uint64_t{2} << 30;
 inline constexpr std::uint64_t kMaxNonPixelElementBytes = std::uint64_t{64} << 20;
-inline constexpr std::uint64_t kMaxHeaderBytes = std::uint64_t{512} << 20;  // everything before the pixel data
-inline constexpr std::uint64_t kMaxElements = 1'000'000;                    // top-level elements of an object
+inline constexpr std::uint64_t kMaxHeaderBytes = std::uint64_t{512}
+                                                 << 20;   // everything before the pixel data
+inline constexpr std::uint64_t kMaxElements = 1'000'000;  // top-level elements of an object
 inline constexpr int kMaxSequenceDepth = 64;
+inline constexpr std::size_t kMaxStacksPerSeries = 2'000;
 inline constexpr std::uint64_t kMaxFilesPerStudy = 200'000;
 inline constexpr std::uint64_t kMaxInflateRatio = 200;  // deflated syntax: output bytes per input byte
+// A mask or a dose that is mostly zero packs denser than any ratio, so that this much is granted to every
+// data set.
+inline constexpr std::uint64_t kAlwaysInflatedBytes = std::uint64_t{16} << 20;
 inline constexpr std::uint64_t kMaxInflatedBytes = std::uint64_t{2} << 30;
 inline constexpr std::uint64_t kMaxFragments = 1'000'000;
-// JPEG, JPEG-LS, JPEG 2000: what a frame may decode to, so that a few bytes cannot ask for gigabytes. A blank image
-// packs denser than any ratio, so that up to kAlwaysDecodedBytes are granted to every frame.
+// JPEG, JPEG-LS, JPEG 2000: what a frame may decode to, so that a few bytes cannot ask for gigabytes. A blank
+// image packs denser than any ratio, so that up to kAlwaysDecodedBytes are granted to every frame.
 inline constexpr std::uint64_t kMaxImageRatio = 4096;
 inline constexpr std::uint64_t kAlwaysDecodedBytes = std::uint64_t{64} << 20;
 // Progressive JPEG goes over the whole image for each scan: a small file with very many scans is refused.
@@ -37,8 +44,10 @@ inline constexpr Limit kAll[] = {
     {"header", kMaxHeaderBytes, "bytes"},
     {"elements", kMaxElements, ""},
     {"sequence_depth", static_cast<std::uint64_t>(kMaxSequenceDepth), ""},
+    {"stacks_per_series", kMaxStacksPerSeries, ""},
     {"files_per_study", kMaxFilesPerStudy, ""},
     {"inflate_ratio", kMaxInflateRatio, ""},
+    {"always_inflated", kAlwaysInflatedBytes, "bytes"},
     {"inflated", kMaxInflatedBytes, "bytes"},
     {"fragments", kMaxFragments, ""},
     {"image_ratio", kMaxImageRatio, ""},

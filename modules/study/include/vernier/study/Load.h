@@ -2,6 +2,7 @@
 // The pipeline: scan -> group -> sort -> validate (here: headers only) and the decoding of one stack.
 #pragma once
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -18,8 +19,23 @@ namespace vernier {
 VERNIER_API Result<StudySet> scanStudy(const std::vector<std::string>& paths, const ProgressFn& progress = {},
                                        std::stop_token stop = {});
 
-// Decodes one frame (stored values, layout as Decode.h) into `out`. Opens the file with read(), never mmap.
+// Decodes one frame (stored values, layout as Decode.h) into `out`. Opens the file with read(), never mmap. The empty
+// frames of a segmentation (SliceRef::kEmptyFrame) are zeros.
 VERNIER_API Result<void> decodeSlice(const StudySet&, SliceRef, std::span<std::byte> out);
+
+// The same for many frames one after the other: the file stays open and its pixel data indexed, so that each frame
+// costs its own bytes only. Frames of a deflated object are cheapest in ascending order. One thread at a time; the set
+// must outlive it.
+class VERNIER_API FrameReader {
+ public:
+  explicit FrameReader(const StudySet&);
+  ~FrameReader();
+  Result<void> read(SliceRef, std::span<std::byte> out);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 // Decodes all slices of a stack in parallel, slice s to out + s * sliceBytes. All slices of a stack have the same
 // rows, columns and samples; the container of all is `sample` (values that don't fit fail with CodecMismatch).

@@ -2,7 +2,9 @@
 // The study model: Patient > Study > Series > Stack > slices, plus every file that was looked at. Plain values; no
 // pixels. Lengths mm, positions LPS. Rules: DICOM PS3.3; grouping, splitting and geometry as docs/studies.md states.
 #pragma once
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,6 +43,51 @@ struct FramePlane {
   PatientVec columnDirection;   // direction of increasing row index, unit
 };
 
+// What a stored value means in the real world beside its modality value (PS3.3 C.7.6.16.2.11): slope * stored +
+// intercept, or a table, for stored values in [first, last].
+struct RealWorldMapping {
+  double first = 0, last = 0;  // stored values, inclusive
+  double slope = 1, intercept = 0;
+  std::vector<double> table;   // when not empty: entry stored - first
+  std::string unit;            // UCUM code, "1" = no unit
+  std::string label, meaning;  // LUT Label; what is measured ("SUVbw") or the unit in words
+};
+
+// What holds for one frame. Of a classic object: its own attributes. Of an object with functional groups: those of
+// the frame, else the shared ones, never the root's (PS3.3 C.7.6.16).
+struct FrameAttributes {
+  std::optional<FramePlane> plane;      // absent: no geometry; directions made orthonormal
+  std::optional<FramePlane> filePlane;  // directions as the file has them, for places of single pixels
+  glm::dvec2 pixelSpacing_mm{0, 0};     // row\column as in (0028,0030): x = distance between rows; 0 = absent
+  double sliceThickness_mm = 0;
+  ModalityRescale rescale;
+  bool rescaleInvalid = false;     // slope 0 or not finite: stored values are shown, marked "unscaled"
+  std::vector<VoiWindow> windows;  // valid ones only
+  std::optional<double> paddingFirst, paddingLast;  // stored values, inclusive; last = first without a range limit
+  std::string unit;                                 // "HU", "SUVbw", "stored value"...
+  std::optional<double> echoTime_ms;
+  std::optional<std::int64_t> temporalPosition;
+  std::vector<std::string> imageType;          // Image Type, or Frame Type where the frame has one
+  std::vector<std::uint32_t> dimensionIndex;   // Dimension Index Values
+  std::vector<std::uint16_t> segments;         // numbers of the segments that a segmentation's frame shows
+  std::shared_ptr<const std::vector<RealWorldMapping>> realWorld;  // may be null
+};
+
+// One segment of a segmentation (PS3.3 C.8.20.2).
+struct Segment {
+  std::uint16_t number = 0;
+  std::string label, category, type, algorithm;
+  std::optional<std::array<double, 3>> colour;  // sRGB 0..1 of the Recommended Display CIELab Value
+};
+enum class SegmentationKind { None, Binary, Fractional };
+
+// Parts of one object that was sent in several (PS3.3 C.7.6.16.2.2.4).
+struct Concatenation {
+  std::string uid;
+  std::int64_t number = 0, total = 0;  // 1..; total 0 = not said
+  std::uint64_t frameOffset = 0;       // of this part's first frame
+};
+
 // One person name of an object, wherever it stands in it.
 struct NamedText {
   std::string at;    // keyword path: "PatientName", "RequestedProcedureCodeSequence[0].PatientName"
@@ -51,8 +98,8 @@ struct NamedText {
 // are Repeated; those that differ are in Conflict: each can be viewed, none goes into a volume.
 enum class Identity { Unique, Kept, Repeated, Conflict };
 
-// One object of a file. Attribute text is UTF-8.
-struct Instance {
+// One object of a file. Attribute text is UTF-8. The attributes of the base are those of its first frame.
+struct Instance : FrameAttributes {
   std::size_t file = 0;    // index into StudySet::files
   std::size_t series = 0;  // index into StudySet::series
   Identity identity = Identity::Unique;
@@ -60,33 +107,34 @@ struct Instance {
   std::uint64_t framesDeclared = 1;  // also of objects whose pixels cannot be shown
   std::string sopClassUid, sopClassName, sopInstanceUid, transferSyntaxUid;
   std::string modality;
-  std::optional<std::int64_t> instanceNumber, acquisitionNumber, temporalPosition;
+  std::optional<std::int64_t> instanceNumber, acquisitionNumber;
   std::string frameOfReferenceUid;
-  bool isImage = false;         // an image storage object with pixel data
-  std::string notShown;         // why it is listed but not drawn ("kept, not shown: encapsulated PDF"); empty = drawn
-  FrameSpec pixels;             // valid when isImage and pixelError is empty
+  bool isImage = false;              // an image storage object with pixel data
+  std::string notShown;              // why it is listed but not drawn ("kept, not shown: encapsulated PDF"); empty = drawn
+  FrameSpec pixels;                  // valid when isImage and pixelError is empty
   std::optional<Error> pixelError;   // why its pixels cannot be shown
-  std::optional<FramePlane> plane;   // absent: no geometry; directions made orthonormal
-  std::optional<FramePlane> filePlane;  // directions as the file has them, for places of single pixels
-  glm::dvec2 pixelSpacing_mm{0, 0};  // row\column as in (0028,0030): x = distance between rows; 0 = absent
-  double sliceThickness_mm = 0;
-  ModalityRescale rescale;
-  bool rescaleInvalid = false;       // slope 0 or not finite: stored values are shown, marked "unscaled"
   std::optional<LutTable> modalityLut;
-  std::vector<VoiWindow> windows;    // valid ones only
   std::vector<LutTable> voiLuts;
-  std::optional<double> paddingFirst, paddingLast;  // stored values, inclusive; last = first without a range limit
-  std::string unit;                  // "HU", "SUVbw", "stored value"...
   bool lossy = false;
   std::string photometric;
   std::string presentationLutShape;
   std::string patientOrientation;    // row\column letters, when there is no plane
-  std::optional<double> echoTime_ms;
-  std::vector<std::string> imageType;
+  // One entry per frame where frames differ or may differ (functional groups, dose and slice vectors); null: all
+  // frames have the attributes of the base.
+  std::shared_ptr<const std::vector<FrameAttributes>> frames;
+  std::vector<double> frameTimes_ms;  // of a cine: when each frame was taken, from the first; empty = not said
+  std::optional<Concatenation> concatenation;
+  SegmentationKind segmentation = SegmentationKind::None;
+  double maxFractional = 0;           // of a fractional segmentation: the stored value that means 1
+  std::vector<Segment> segments;
+
+  const FrameAttributes& frame(std::uint64_t n) const { return frames && n < frames->size() ? (*frames)[n] : *this; }
 };
 
 // One slice of a stack: a frame of an instance.
 struct SliceRef {
+  // A place of a segmentation where its segment is empty and no frame was written: all zero.
+  static constexpr std::uint64_t kEmptyFrame = ~std::uint64_t{0};
   std::size_t instance = 0;  // index into StudySet::instances
   std::uint64_t frame = 0;
 };
@@ -96,7 +144,9 @@ struct SliceRef {
 enum class StackShape { NoGeometry, Single, Uniform, Sheared, Uneven };
 
 struct Stack {
-  std::vector<SliceRef> slices;    // ascending along the normal; by instance number when there is no geometry
+  // Ascending along the normal; without geometry by instance number and, within an object, by dimension index values
+  // or frame number.
+  std::vector<SliceRef> slices;
   std::string label;               // what set it apart in its series, "" when alone: "echo time 90 ms"
   StackShape shape = StackShape::NoGeometry;
   GridGeometry grid;               // valid unless NoGeometry
