@@ -225,7 +225,7 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
       ->check(CLI::IsMember({"nearest", "linear", "cubic"}));
   sub.add_option("--path", o.path, "View curved: x,y,z;x,y,z;... in patient mm, or a .json file of such points");
   sub.add_option("--width", o.width_mm, "View curved: width of the sheet in mm (absent: 50)")
-      ->check(CLI::PositiveNumber);
+      ->check(finiteAboveZero());
   sub.add_option("--form", o.form, "View curved: straightened stretched (absent: straightened)")
       ->check(CLI::IsMember({"straightened", "stretched"}));
   sub.add_option("--path-up", o.pathUp, "View curved: up at the path's beginning (stretched: everywhere), x,y,z");
