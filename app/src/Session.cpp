@@ -50,6 +50,9 @@ Session::~Session() = default;
 const StudySet& Session::study() const { return impl_->study; }
 const std::vector<VolumeFile>& Session::volumeFiles() const { return impl_->volumeFiles; }
 const std::vector<PluginInfo>& Session::plugins() const { return impl_->plugins.plugins(); }
+bool Session::draws(const std::string& kind) const {
+  return !impl_->plugins.techniques().drawing(kind).empty();
+}
 const Panel* Session::panelOf(const std::string& kind) const { return impl_->plugins.panelOf(kind); }
 CostTable& Session::costs() { return impl_->costs; }
 MemoryBudget& Session::budget() { return impl_->budget; }

@@ -107,6 +107,7 @@ class Session {
   // so.
   const Capabilities& capabilities(bool withGl);
   const std::vector<PluginInfo>& plugins() const;
+  bool draws(const std::string& layerKind) const;  // is there a technique for it
   // The panel of a plugin's layer kind (plan/Panel.h), to be drawn by the window; nullptr: none.
   const Panel* panelOf(const std::string& kind) const;
   CostTable& costs();
