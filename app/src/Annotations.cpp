@@ -22,6 +22,17 @@ Result<Annotations> describeLayer(Session& session, const SliceLayer& layer, con
   return describeSlice(layer, *picture, (*volume)->info(), window);
 }
 
+Result<Annotations> describeLayer(Session& session, const CurvedLayer& layer, const Scene& scene,
+                                  const View& view) {
+  const auto volume = session.volume(layer.source);
+  if (!volume) return volume.error();
+  const Result<CurvedPicture> picture = curvedPicture(layer, scene.camera, view);
+  if (!picture) return picture.error();
+  const VoiWindow window =
+      layer.window && usableWindow(*layer.window) ? *layer.window : session.defaultWindowOf(**volume);
+  return describeCurved(layer, *picture, (*volume)->info(), window);
+}
+
 Result<Annotations> describeLayer(Session& session, const ImageLayer& layer, const Scene& scene,
                                   const View& view) {
   const auto image = session.image(layer.source, layer.index);
@@ -31,6 +42,23 @@ Result<Annotations> describeLayer(Session& session, const ImageLayer& layer, con
                            : !info.windows.empty()                     ? info.windows.front()
                                                                        : info.autoWindow;
   return describeImage(layer, imagePicture(layer, scene.camera, view, **image), info, window);
+}
+
+Result<void> hatchLayer(Session& session, const Layer& layer, const Scene& scene, const View& view,
+                        const Images& images, Picture& picture) {
+  const auto hatch = [&](const std::string& source, const auto& placed) -> Result<void> {
+    const auto volume = session.volume(source);
+    if (!volume) return volume.error();
+    const auto place = placed(**volume);
+    if (!place) return place.error();
+    hatchGaps(picture, images, *place, (*volume)->grid());
+    return {};
+  };
+  if (const auto* slice = std::get_if<SliceLayer>(&layer))
+    return hatch(slice->source, [&](const Volume& v) { return slicePicture(*slice, scene.camera, view, v); });
+  if (const auto* curved = std::get_if<CurvedLayer>(&layer))
+    return hatch(curved->source, [&](const Volume&) { return curvedPicture(*curved, scene.camera, view); });
+  return {};
 }
 
 }  // namespace
@@ -43,6 +71,8 @@ Result<Annotations> annotationsFor(Session& session, const Scene& scene, const V
     std::optional<Result<Annotations>> said;
     if (const auto* slice = std::get_if<SliceLayer>(&*layer))
       said = describeLayer(session, *slice, scene, view);
+    if (const auto* curved = std::get_if<CurvedLayer>(&*layer))
+      said = describeLayer(session, *curved, scene, view);
     if (const auto* image = std::get_if<ImageLayer>(&*layer))
       said = describeLayer(session, *image, scene, view);
     if (!said) continue;
@@ -51,6 +81,11 @@ Result<Annotations> annotationsFor(Session& session, const Scene& scene, const V
     break;
   }
   if (showsNothing(r.frame.images)) a.what.push_back({kNoDataHere, "no data", Tone::Amber});
+  for (const Layer& layer : scene.layers)  // what a plugin has drawn over the picture is said too
+    if (const auto* custom = std::get_if<CustomLayer>(&layer); custom && session.draws(custom->kind)) {
+      const Panel* panel = session.panelOf(custom->kind);
+      a.what.push_back({"+ " + (panel ? panel->title : custom->kind), "", Tone::Normal});
+    }
   for (const std::string& note : r.plan.notes) a.what.push_back({note, "", Tone::Amber});
   if (r.error && r.error->bound) {
     TextLine line = errorLine(*r.error->bound, static_cast<int>(100 * r.error->share), limit);
@@ -77,13 +112,8 @@ Result<Picture> finishedPicture(Session& session, const Scene& scene, const View
                                 std::optional<double> limit, double scale) {
   Picture picture = quantise(r.frame.images);
   for (const Layer& layer : scene.layers)
-    if (const auto* slice = std::get_if<SliceLayer>(&layer)) {
-      const auto volume = session.volume(slice->source);
-      if (!volume) return volume.error();
-      const Result<SlicePicture> place = slicePicture(*slice, scene.camera, view, **volume);
-      if (!place) return place.error();
-      hatchGaps(picture, r.frame.images, *place, (*volume)->grid());
-    }
+    if (const Result<void> hatched = hatchLayer(session, layer, scene, view, r.frame.images, picture); !hatched)
+      return hatched.error();
   const Result<Annotations> a = annotationsFor(session, scene, view, r, limit);
   if (!a) return a.error();
   annotate(picture, *a, scale);

@@ -53,11 +53,17 @@ Result<Plan> Session::Impl::planFor(const Scene& scene, const View& view, const 
 
 Result<Sources> Session::Impl::sourcesFor(Session& session, const Scene& scene, std::stop_token stop) {
   Sources sources;
+  const auto take = [&](const std::string& source) -> Result<void> {
+    const auto v = session.volume(source, {}, stop);
+    if (!v) return v.error();
+    sources.volumes[source] = *v;
+    return {};
+  };
   for (const Layer& layer : scene.layers) {
     if (const auto* slice = std::get_if<SliceLayer>(&layer)) {
-      const auto v = session.volume(slice->source, {}, stop);
-      if (!v) return v.error();
-      sources.volumes[slice->source] = *v;
+      if (const Result<void> r = take(slice->source); !r) return r.error();
+    } else if (const auto* curved = std::get_if<CurvedLayer>(&layer)) {
+      if (const Result<void> r = take(curved->source); !r) return r.error();
     } else if (const auto* image = std::get_if<ImageLayer>(&layer)) {
       const auto f = session.image(image->source, image->index);
       if (!f) return f.error();
@@ -80,9 +86,13 @@ Result<Plan> Session::plan(const Scene& scene, const View& view, const Quality& 
 }
 
 Scene Session::Impl::withWindows(Scene scene, const Sources& sources) {
-  for (Layer& layer : scene.layers)
-    if (auto* slice = std::get_if<SliceLayer>(&layer); slice && !slice->window)
-      slice->window = windowOf(*sources.volumes.at(slice->source));
+  const auto fill = [&](auto* layer) {
+    if (layer && !layer->window) layer->window = windowOf(*sources.volumes.at(layer->source));
+  };
+  for (Layer& layer : scene.layers) {
+    fill(std::get_if<SliceLayer>(&layer));
+    fill(std::get_if<CurvedLayer>(&layer));
+  }
   return scene;
 }
 

@@ -12,6 +12,8 @@
 namespace vernier::app {
 namespace {
 
+constexpr int kLeastCell_px = 320, kLargestCell_px = 512;  // the captions need some room
+
 struct Options {
   ViewOptions view;
   std::string out, title = "Vernier";
@@ -42,15 +44,32 @@ Result<double> frame_ms(Session& session, const RenderRequest& r, double step, s
   return median(ms);
 }
 
-Result<SheetEntry> entryFor(Session& session, const Options& o, const Settings& settings,
-                            const std::string& view, const ProgressFn& progress, std::stop_token stop) {
+// "oblique:cubic" is the view oblique with cubic interpolation.
+Result<ViewOptions> optionsFor(const Options& o, const std::string& name) {
   ViewOptions one = o.view;
-  one.view = view;
+  const std::size_t colon = name.find(':');
+  const std::string view = one.view = name.substr(0, colon);
+  if (colon != std::string::npos) {
+    one.interpolation = name.substr(colon + 1);
+    if (one.interpolation != "nearest" && one.interpolation != "linear" && one.interpolation != "cubic")
+      return makeError(ErrorCode::OptionInvalid,
+                       "'" + name + "' is no view; after the colon stands nearest, linear or cubic.", "--views");
+  }
   const bool free =
       view == "oblique" || view == "slab";  // each option goes to the views that have a use for it
-  if (free) one.slice.reset();
+  if (free || view == "curved") one.slice.reset();
   if (!free) one.plane.clear();
   if (view != "slab") one.slab_mm.reset(), one.slabMode.clear();
+  if (view != "curved") one.path.clear(), one.form.clear(), one.pathUp.clear(), one.width_mm.reset();
+  if (view == "stack" && one.interpolation == "cubic") one.interpolation.clear();
+  return one;
+}
+
+Result<SheetEntry> entryFor(Session& session, const Options& o, const Settings& settings,
+                            const std::string& view, const ProgressFn& progress, std::stop_token stop) {
+  const Result<ViewOptions> options = optionsFor(o, view);
+  if (!options) return options.error();
+  const ViewOptions& one = *options;
   const Result<RenderRequest> request = makeRequest(session, one, settings, progress, stop);
   if (!request) return request.error();
   const Result<Rendered> rendered =
@@ -102,7 +121,9 @@ int run(const GlobalOptions& global, const Options& o) {
     }
   }
   if (entries.empty()) return last ? exitCode(last->code) : 1;
-  const Result<Picture> sheet = contactSheet(o.title, entries, o.columns);
+  int cell_px = kLeastCell_px;  // pictures as they are, up to a size at which three stand side by side
+  for (const SheetEntry& e : entries) cell_px = std::max({cell_px, e.picture.width, e.picture.height});
+  const Result<Picture> sheet = contactSheet(o.title, entries, o.columns, std::min(cell_px, kLargestCell_px));
   if (!sheet) return report(sheet.error());
   if (const Result<void> r = writePng(o.out, *sheet); !r) return report(r.error());
   return 0;
@@ -116,9 +137,12 @@ Command addSheet(CLI::App& app, GlobalOptions& global) {
   addViewOptions(*sub, o->view);
   sub->add_option("--out", o->out, "Contact sheet, PNG")->required();
   sub->add_option("--title", o->title, "Title of the sheet");
-  sub->add_option("--views", o->views, "Views, in order")->delimiter(',');
+  sub->add_option("--views", o->views, "Views, in order; oblique:cubic for another interpolation")->delimiter(',');
   sub->add_option("--columns", o->columns, "Pictures in a row")->check(CLI::Range(1, 20));
-  sub->footer("Example:\n  vernier sheet STUDY --out sheet.png --preset brain");
+  sub->footer(
+      "Examples:\n"
+      "  vernier sheet STUDY --out sheet.png --preset brain\n"
+      "  vernier sheet STUDY --out sheet.png --views axial,oblique,oblique:cubic,curved --path \"0,0,-40;9,2,0;0,5,40\"");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 

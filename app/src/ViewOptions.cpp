@@ -171,12 +171,47 @@ Result<Plane> parsePlane(const std::string& text) {
   return plane;
 }
 
+namespace {
+
+Result<std::string> textOf(const std::string& path, const char* what) {
+  std::error_code ec;
+  if (!std::filesystem::is_regular_file(path, ec) || std::filesystem::file_size(path, ec) > kMaxSceneBytes)
+    return makeError(ErrorCode::FileNotFound,
+                     std::string(what) + " is not a readable file of at most 16 MiB.", path);
+  std::ifstream f(path, std::ios::binary);
+  return std::string((std::istreambuf_iterator<char>(f)), {});
+}
+
+}  // namespace
+
+Result<std::vector<PatientPoint>> parsePathOption(const std::string& text) {
+  if (text.ends_with(".json")) {
+    const Result<std::string> json = textOf(text, "The path");
+    if (!json) return json.error();
+    return parsePath(*json);
+  }
+  std::vector<PatientPoint> points;
+  for (const std::string& part : split(text, ';')) {
+    const Result<glm::dvec3> p = vec3("--path", "a point", split(part, ','));
+    if (!p)
+      return invalid("--path",
+                     "'" + part + "' is no point; give x,y,z;x,y,z;... in patient mm, or the name of a .json file.");
+    points.emplace_back(*p);
+  }
+  return points;
+}
+
 void addViewOptions(CLI::App& sub, ViewOptions& o) {
-  sub.add_option("INPUT", o.inputs, "Files or folders of DICOM, or one MetaImage file")->required();
-  auto* view = sub.add_option("--view", o.view, "stack axial coronal sagittal oblique slab");
+  sub.add_option("INPUT", o.inputs,
+                 "Files, folders or ZIP archives: DICOM, NIfTI, NRRD, MetaImage, VTI, raw, lists of images")
+      ->required();
+  auto* view = sub.add_option("--view", o.view, "stack axial coronal sagittal oblique slab curved");
   sub.add_option("--scene", o.sceneFile, "Scene as JSON (docs/scene.md)")->excludes(view);
   sub.add_option("--series", o.series,
-                 "Series Instance UID or number in `vernier info`, #2 for its second stack");
+                 "Series Instance UID, volume file or number in `vernier info`, #2 for a second stack");
+  sub.add_option("--frame", o.frame, "Of a 4-D volume file: which volume, counted from 0");
+  sub.add_option("--z-span", o.zSpan, "Of a list of images: length that all slices span, as of the pixel size (mm)")
+      ->check(finiteAboveZero());
   sub.add_option("--size", o.size, "Picture, WxH pixels")->capture_default_str();
   sub.add_option("--camera", o.camera,
                  "azimuth=30,elevation=20,projection=orthographic,fov=30,zoom=1,roll=0");
@@ -186,8 +221,14 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
       ->check(finiteFrom(0, 1e5));
   sub.add_option("--slab-mode", o.slabMode, "max min mean (absent: max)")
       ->check(CLI::IsMember({"max", "min", "mean"}));
-  sub.add_option("--interpolation", o.interpolation, "nearest linear (absent: linear)")
-      ->check(CLI::IsMember({"nearest", "linear"}));
+  sub.add_option("--interpolation", o.interpolation, "nearest linear cubic (absent: linear)")
+      ->check(CLI::IsMember({"nearest", "linear", "cubic"}));
+  sub.add_option("--path", o.path, "View curved: x,y,z;x,y,z;... in patient mm, or a .json file of such points");
+  sub.add_option("--width", o.width_mm, "View curved: width of the sheet in mm (absent: 50)")
+      ->check(finiteAboveZero());
+  sub.add_option("--form", o.form, "View curved: straightened stretched (absent: straightened)")
+      ->check(CLI::IsMember({"straightened", "stretched"}));
+  sub.add_option("--path-up", o.pathUp, "View curved: up at the path's beginning (stretched: everywhere), x,y,z");
   auto* window = sub.add_option("--window", o.window, "CENTER,WIDTH in modality values (HU for CT)");
   sub.add_option("--preset", o.preset, "brain subdural stroke lung bone abdomen mediastinum liver")
       ->excludes(window);
@@ -218,7 +259,9 @@ Result<void> nothingBesideScene(const ViewOptions& o) {
       {"--camera", !o.camera.empty()},      {"--plane", !o.plane.empty()},
       {"--slice", o.slice.has_value()},     {"--slab", o.slab_mm.has_value()},
       {"--slab-mode", !o.slabMode.empty()}, {"--interpolation", !o.interpolation.empty()},
-      {"--window", !o.window.empty()},      {"--preset", !o.preset.empty()}};
+      {"--window", !o.window.empty()},      {"--preset", !o.preset.empty()},
+      {"--path", !o.path.empty()},          {"--width", o.width_mm.has_value()},
+      {"--form", !o.form.empty()},          {"--path-up", !o.pathUp.empty()}};
   for (const auto& [option, isGiven] : given)
     if (isGiven) return invalid(option, "It goes with --view; a scene file says this itself.");
   return {};
@@ -228,6 +271,9 @@ Result<void> nothingBesideScene(const ViewOptions& o) {
 Result<void> nothingForStacks(const ViewOptions& o) {
   if (!o.plane.empty())
     return invalid("--plane", "The view stack shows stored frames; choose one with --slice.");
+  if (o.interpolation == "cubic")
+    return invalid("--interpolation",
+                   "Stored frames are shown with nearest or linear; cubic is for slices of a volume.");
   if (o.slab_mm || !o.slabMode.empty())
     return invalid("--slab", "The view stack shows stored frames; use axial, coronal, sagittal or oblique.");
   return {};
@@ -246,19 +292,49 @@ Result<void> onlyZoomForFlat(const Scene& scene, const std::string& option) {
 }
 
 Result<Scene> sceneFromFile(const std::string& path) {
-  std::error_code ec;
-  if (!std::filesystem::is_regular_file(path, ec) || std::filesystem::file_size(path, ec) > kMaxSceneBytes)
-    return makeError(ErrorCode::FileNotFound, "The scene is not a readable file of at most 16 MiB.", path);
-  std::ifstream f(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(f)), {});
-  return parseScene(text);
+  const Result<std::string> text = textOf(path, "The scene");
+  if (!text) return text.error();
+  return parseScene(*text);
+}
+
+Interpolation interpolationOf(const std::string& name) {
+  return name == "nearest" ? Interpolation::Nearest
+         : name == "cubic" ? Interpolation::Cubic
+                           : Interpolation::Linear;
+}
+
+// What --path, --width, --form and --path-up say; they belong to the view curved.
+Result<std::optional<CurvedLayer>> curvedFrom(const ViewOptions& o) {
+  if (o.view != "curved") {
+    for (const auto& [option, given] : {std::pair{"--path", !o.path.empty()}, {"--width", o.width_mm.has_value()},
+                                        {"--form", !o.form.empty()}, {"--path-up", !o.pathUp.empty()}})
+      if (given) return invalid(option, "It goes with --view curved.");
+    return std::optional<CurvedLayer>();
+  }
+  if (o.path.empty())
+    return invalid("--path", "The view curved needs a path: x,y,z;x,y,z;... in patient mm, or a .json file.");
+  CurvedLayer layer;
+  const Result<std::vector<PatientPoint>> path = parsePathOption(o.path);
+  if (!path) return path.error();
+  layer.path = *path;
+  layer.form = o.form == "stretched" ? CurvedForm::Stretched : CurvedForm::Straightened;
+  if (o.width_mm) layer.width_mm = *o.width_mm;
+  if (!o.pathUp.empty()) {
+    const Result<glm::dvec3> up = vec3("--path-up", "It", split(o.pathUp, ','));
+    if (!up) return invalid("--path-up", "'" + o.pathUp + "' is no direction; give three numbers, such as 0,0,1.");
+    layer.up = PatientVec(*up);
+  }
+  return std::optional(layer);
 }
 
 Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const ProgressFn& progress,
                             std::stop_token stop) {
   PresetOptions p;
   p.slice = o.slice;
-  p.interpolation = o.interpolation == "nearest" ? Interpolation::Nearest : Interpolation::Linear;
+  p.interpolation = interpolationOf(o.interpolation);
+  Result<std::optional<CurvedLayer>> curved = curvedFrom(o);
+  if (!curved) return curved.error();
+  p.curved = std::move(*curved);
   const Result<Camera> camera = parseCamera(o.camera);
   if (!camera) return camera.error();
   p.camera = *camera;
@@ -285,7 +361,7 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
     p.window = *w;
     return {};
   };
-  if (o.view == "stack" && !session.isMetaImage()) {
+  if (o.view == "stack") {
     if (const Result<void> r = nothingForStacks(o); !r) return r.error();
     const Result<std::int64_t> count = session.imageCount("");
     if (!count) return count.error();
@@ -321,13 +397,13 @@ Result<RenderRequest> makeRequest(Session& session, const ViewOptions& o, const 
   if (!size) return size.error();
   r.view.width_px = size->x;
   r.view.height_px = size->y;
-  if (!session.isMetaImage()) {
-    const Result<StackChoice> choice = session.choose(o.series);
-    if (!choice) return choice.error();
-    session.use(*choice);
-  } else if (!o.series.empty()) {
-    return invalid("--series", "A MetaImage file is one volume and has no series.");
-  }
+  const Result<StackChoice> choice = session.choose(o.series);
+  if (!choice) return choice.error();
+  session.use(*choice);
+  if (o.frame && !choice->volumeFile)
+    return invalid("--frame", "It chooses a volume of a 4-D volume file; a DICOM series is chosen with --series.");
+  if (o.zSpan && !choice->volumeFile) return invalid("--z-span", "It is said of lists of images.");
+  session.readVolumeFilesWith(o.frame, o.zSpan);
   session.bridgeGaps(o.bridge);
   if (const Result<void> known = knownTechnique(session, o.technique); !known) return known.error();
   if (o.view.empty() && o.sceneFile.empty())

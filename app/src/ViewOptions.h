@@ -14,8 +14,10 @@ struct ViewOptions {
   std::vector<std::string> inputs;
   std::string view, sceneFile, series;
   std::string size = "512x512", camera, plane, slabMode, window, preset, interpolation;  // "" = not given
-  std::optional<std::int64_t> slice;
-  std::optional<double> slab_mm;
+  std::optional<std::int64_t> slice, frame;
+  std::optional<double> slab_mm, zSpan;
+  std::string path, form, pathUp;  // of the view curved
+  std::optional<double> width_mm;
   std::string engine, technique, quality = "review";
   std::optional<double> maxError, minFps;
   int errorSamples = 1024;
@@ -39,6 +41,8 @@ Result<VoiWindow> parseWindow(const std::string& centerWidth);
 Result<VoiWindow> windowPreset(const std::string& name, const std::string& unit);
 Result<Camera> parseCamera(const std::string&);
 Result<Plane> parsePlane(const std::string&);
+// "x,y,z;x,y,z;..." in patient mm, or the name of a JSON file that holds a list of such points.
+Result<std::vector<PatientPoint>> parsePathOption(const std::string&);
 
 // The session has been opened; chooses the series and builds what the presets need.
 Result<RenderRequest> makeRequest(Session&, const ViewOptions&, const Settings&, const ProgressFn&,

@@ -71,6 +71,9 @@ VoxelPlane voxelPlane(const SliceParams& p, int slabSample) {
 }
 
 Result<void> checkDrawable(const SliceParams& p, const Capabilities& c) {
+  if (p.interpolation == Interpolation::Cubic)
+    return makeError(ErrorCode::NoTechnique,
+                     "Cubic interpolation is drawn by the native engine; GL has nearest and linear.");
   const auto limit = [](int v) { return v > 0 ? v : 16384; };
   const int largest = std::max(p.view.width_px, p.view.height_px);
   if (largest > limit(c.maxTexture))

@@ -21,7 +21,10 @@ inline native::SliceJob jobOf(const SliceParams& p) {
   return job;
 }
 
+// Of one sample on one thread, measured.
+double builtInCost_ns(Interpolation, bool fast);
+
 // Levels of 255 that rounding to float makes of a modality value.
-double roundingError(const SliceParams&);
+double roundingError(const SampledParams&);
 
 }  // namespace vernier::mpr

@@ -11,12 +11,13 @@ namespace {
 
 // Built-in cost of one sample of one thread, measured; the table of this machine wins.
 constexpr double kFast_ns = 2.5, kGeneral_ns = 40.0;
+constexpr double kFastCubic_ns = 20.0, kGeneralCubic_ns = 240.0;
 
 double predicted_ms(const SliceParams& p, const PlanContext& context) {
   const auto known = context.costs.nsPerSample.find("mpr.native");
-  const double ns = known != context.costs.nsPerSample.end() ? known->second
-                    : native::drawsFast(jobOf(p))            ? kFast_ns
-                                                             : kGeneral_ns;
+  const double ns = known != context.costs.nsPerSample.end()
+                        ? known->second
+                        : builtInCost_ns(p.interpolation, native::drawsFast(jobOf(p)));
   const double samples = static_cast<double>(p.view.width_px) * p.view.height_px * p.slabSamples;
   return samples * ns * 1e-6 / std::max(1, context.capabilities.threads);
 }
@@ -46,8 +47,13 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
 
 }  // namespace
 
+double builtInCost_ns(Interpolation interpolation, bool fast) {
+  if (interpolation == Interpolation::Cubic) return fast ? kFastCubic_ns : kGeneralCubic_ns;
+  return fast ? kFast_ns : kGeneral_ns;
+}
+
 // The kernels' bound: 1e-6 of the volume's range (RENDERING 3, "Slices").
-double roundingError(const SliceParams& p) {
+double roundingError(const SampledParams& p) {
   const auto range = p.volume->modalityRange();
   const double contrast = range ? (range->max - range->min) / p.window.width : 1.0;
   return std::min(255.0, 255.0 * 1e-6 * contrast);

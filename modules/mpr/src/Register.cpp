@@ -5,7 +5,7 @@
 namespace vernier::mpr {
 
 Result<void> registerMpr(Host& host) {
-  for (Technique t : {nativeImageTechnique(), nativeSliceTechnique(), slabExactTechnique(),
+  for (Technique t : {nativeImageTechnique(), nativeSliceTechnique(), slabExactTechnique(), curvedTechnique(),
                       stripsTechnique(host), polygonTechnique(host)})
     if (Result<void> r = host.addTechnique(std::move(t)); !r) return r;
   return {};

@@ -9,7 +9,7 @@ namespace vernier::mpr {
 // phantom, 0.8 mm slices, bone window), 37 (CT head, 5 mm, window 400), 36 (vessels, window 600); means 0.5,
 // 1.5 and 0.7. For extrema it halves with the step: what is missed at peaks and at the slab's ends is in
 // proportion to it.
-inline double samplingError(const SliceParams& p, double step) {
+inline double samplingError(const SampledParams& p, double step) {
   if (!(p.slab.thickness_mm > 0)) return 0;
   return (p.slab.mode == SlabMode::Mean ? 1.5 : 37.0) * step;
 }

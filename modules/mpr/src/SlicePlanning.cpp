@@ -25,6 +25,10 @@ const char* nameOfMode(SlabMode mode) {
   return mode == SlabMode::Max ? "max" : mode == SlabMode::Min ? "min" : "mean";
 }
 
+const char* nameOfInterpolation(Interpolation i) {
+  return i == Interpolation::Linear ? "linear" : i == Interpolation::Cubic ? "cubic" : "nearest";
+}
+
 const char* nameOfFunction(VoiFunction f) {
   return f == VoiFunction::Linear ? "" : f == VoiFunction::LinearExact ? " exact" : " sigmoid";
 }
@@ -42,10 +46,8 @@ Result<int> slabSamplesOf(const Volume& volume, double thickness_mm, double step
 
 }  // namespace
 
-std::string SliceParams::dump() const {
-  std::string s = "slice " + std::to_string(view.width_px) + "x" + std::to_string(view.height_px) + " from " +
-                  vector3(picture.origin.p) + " right " + vector3(picture.right.v) + " down " +
-                  vector3(picture.down.v) + (interpolation == Interpolation::Linear ? " linear" : " nearest");
+std::string SampledParams::dumpSampling() const {
+  std::string s = nameOfInterpolation(interpolation);
   if (slab.thickness_mm > 0)
     s += " slab " + number(slab.thickness_mm) + " mm " + nameOfMode(slab.mode) +
          (slabSamples > 0 ? " of " + std::to_string(slabSamples) : " of the whole line");
@@ -54,29 +56,66 @@ std::string SliceParams::dump() const {
   return s;
 }
 
+std::string SliceParams::dump() const {
+  return "slice " + std::to_string(view.width_px) + "x" + std::to_string(view.height_px) + " from " +
+         vector3(picture.origin.p) + " right " + vector3(picture.right.v) + " down " +
+         vector3(picture.down.v) + " " + dumpSampling();
+}
+
+std::string CurvedParams::dump() const {
+  return "curved " + std::to_string(view.width_px) + "x" + std::to_string(view.height_px) +
+         (form == CurvedForm::Straightened ? " straightened " : " stretched ") + number(picture.length_mm) +
+         " x " + number(picture.across_mm) + " mm, " + number(picture.mmPerPixel) + " mm per pixel " +
+         dumpSampling();
+}
+
+namespace {
+
+// Of a slice or curved layer, all but where it lies.
+template <class L>
+Result<void> sampling(const L& layer, const PlanContext& context, SampledParams& p) {
+  const auto found = context.sources.volumes.find(layer.source);
+  if (found == context.sources.volumes.end() || !found->second)
+    return makeError(ErrorCode::SceneInvalid,
+                     "The volume that the " + kindOf(layer) + " layer names is not loaded.");
+  p.volume = found->second;
+  p.view = context.view;
+  p.slab = layer.slab;
+  Result<int> samples = slabSamplesOf(*p.volume, p.slab.thickness_mm, context.quality.step);
+  if (!samples) return samples.error();
+  p.slabSamples = *samples;
+  p.interpolation = layer.interpolation;
+  p.window = normalised(layer.window ? *layer.window : defaultWindow(*p.volume));
+  if (!usableWindow(p.window))
+    return makeError(ErrorCode::SceneInvalid, "The window's width must be above 0 and its numbers finite.");
+  p.invert = layer.invert != p.volume->info().inverted;
+  p.background = context.scene.background;
+  return {};
+}
+
+}  // namespace
+
 Result<std::shared_ptr<const SliceParams>> sliceParams(const Layer& layer, const PlanContext& context) {
   const auto* slice = std::get_if<SliceLayer>(&layer);
   if (!slice) return makeError(ErrorCode::SceneInvalid, "The layer is not a slice.");
-  const auto found = context.sources.volumes.find(slice->source);
-  if (found == context.sources.volumes.end() || !found->second)
-    return makeError(ErrorCode::SceneInvalid, "The volume that the slice layer names is not loaded.");
   auto p = std::make_shared<SliceParams>();
-  p->volume = found->second;
+  if (Result<void> r = sampling(*slice, context, *p); !r) return r.error();
   Result<SlicePicture> picture = slicePicture(*slice, context.scene.camera, context.view, *p->volume);
   if (!picture) return picture.error();
   p->picture = *picture;
-  p->view = context.view;
-  p->slab = slice->slab;
-  Result<int> samples = slabSamplesOf(*p->volume, p->slab.thickness_mm, context.quality.step);
-  if (!samples) return samples.error();
-  p->slabSamples = *samples;
-  p->interpolation = slice->interpolation;
-  p->window = normalised(slice->window ? *slice->window : defaultWindow(*p->volume));
-  if (!usableWindow(p->window))
-    return makeError(ErrorCode::SceneInvalid, "The window's width must be above 0 and its numbers finite.");
-  p->invert = slice->invert != p->volume->info().inverted;
-  p->background = context.scene.background;
   return std::shared_ptr<const SliceParams>(std::move(p));
+}
+
+Result<std::shared_ptr<const CurvedParams>> curvedParams(const Layer& layer, const PlanContext& context) {
+  const auto* curved = std::get_if<CurvedLayer>(&layer);
+  if (!curved) return makeError(ErrorCode::SceneInvalid, "The layer is not a curved reformat.");
+  auto p = std::make_shared<CurvedParams>();
+  if (Result<void> r = sampling(*curved, context, *p); !r) return r.error();
+  Result<CurvedPicture> picture = curvedPicture(*curved, context.scene.camera, context.view);
+  if (!picture) return picture.error();
+  p->picture = std::move(*picture);
+  p->form = curved->form;
+  return std::shared_ptr<const CurvedParams>(std::move(p));
 }
 
 void fitImages(Images& images, const View& view) {

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "vernier/volume/Cubic.h"
+#include "vernier/volume/Sampling.h"
 #include "vernier/volume/Volume.h"
 
 namespace vernier::native {
@@ -42,6 +44,19 @@ class GeneralSampler {
     return sum.weight >= kLeastWeight ? sum.value / sum.weight : kNone;
   }
 
+  // Linear where one of the voxels that cubic needs has no data.
+  double cubic(const glm::dvec3& p, std::uint64_t& samples) const {
+    Pair z;
+    if (!slicesAt(p.z, z)) return kNone;
+    const Four slices = fourSlices(z);
+    double value = 0;
+    for (std::size_t n = 0; n < 4; ++n)
+      if (slices.weight[n] != 0) value += slices.weight[n] * cubicInSlice(p, slices.first + static_cast<std::int64_t>(n));
+    if (std::isnan(value)) return linear(p, samples);
+    ++samples;
+    return value;
+  }
+
   double nearest(const glm::dvec3& p, std::uint64_t& samples) const {
     Pair x, y, z;
     if (!slicesAt(p.z, z)) return kNone;
@@ -49,6 +64,12 @@ class GeneralSampler {
     if (!inPlane(p, k, x, y)) return kNone;
     ++samples;
     return modality(x.t >= 0.5 ? x.second : x.first, y.t >= 0.5 ? y.second : y.first, k);
+  }
+
+  double value(Interpolation how, const glm::dvec3& p, std::uint64_t& samples) const {
+    return how == Interpolation::Linear ? linear(p, samples)
+           : how == Interpolation::Cubic ? cubic(p, samples)
+                                         : nearest(p, samples);
   }
 
  private:
@@ -62,6 +83,51 @@ class GeneralSampler {
   struct Sum {
     double weight = 0, value = 0;
   };
+
+  // Indices first .. first + 3; those without weight may lie outside.
+  struct Four {
+    std::int64_t first = 0;
+    std::array<double, 4> weight{};
+  };
+
+  static Four fourAlong(const Pair& at, std::int64_t n) {
+    const double before = at.first > 0 ? 1 : 0, after = at.first + 2 < n ? 1 : 0;
+    return {at.first - 1, cubicWeights(at.t, before, after)};
+  }
+
+  Four fourSlices(const Pair& z) const {
+    if (z.first == z.second) return {z.first - 1, {0, 1, 0, 0}};
+    if (grid_.even()) return fourAlong(z, grid_.slices);
+    const auto height = [&](std::int64_t slice) { return grid_.sliceOrigin_vox[static_cast<std::size_t>(slice)].z; };
+    const double step = height(z.second) - height(z.first);
+    // The distance between two neighbouring slices in steps; 0 where they are none to each other.
+    const auto distance = [&](std::int64_t lower) {
+      if (lower < 0 || lower + 1 >= grid_.slices ||
+          std::binary_search(grid_.gapAfter.begin(), grid_.gapAfter.end(), lower))
+        return 0.0;
+      const double d = (height(lower + 1) - height(lower)) / step;
+      return d >= kNearestNeighbour && d <= kFurthestNeighbour ? d : 0.0;
+    };
+    return {z.first - 1, cubicWeights(z.t, distance(z.first - 1), distance(z.second))};
+  }
+
+  // NaN where a voxel that counts has no data, or the slice does not reach there.
+  double cubicInSlice(const glm::dvec3& p, std::int64_t k) const {
+    Pair x, y;
+    if (!inPlane(p, k, x, y)) return kNone;
+    const Four columns = fourAlong(x, grid_.columns), rows = fourAlong(y, grid_.rows);
+    double value = 0;
+    for (std::int64_t j = 0; j < 4; ++j) {
+      const double w = rows.weight[static_cast<std::size_t>(j)];
+      if (w == 0) continue;
+      double row = 0;
+      for (std::int64_t i = 0; i < 4; ++i)
+        if (const double v = columns.weight[static_cast<std::size_t>(i)]; v != 0)
+          row += v * modality(columns.first + i, rows.first + j, k);
+      value += w * row;
+    }
+    return value;
+  }
 
   static bool along(double x, std::int64_t n, Pair& out) {
     const double last = static_cast<double>(n - 1);

@@ -198,7 +198,9 @@ std::string whyNotExactSlab(const SliceJob& job) {
   const Volume& v = *job.volume;
   if (!(job.slab.thickness_mm > 0)) return "It draws slabs, and a single slice has no thickness.";
   if (job.interpolation != Interpolation::Linear)
-    return "It follows the linear field, and nearest was asked for.";
+    return job.interpolation == Interpolation::Cubic
+               ? "It follows the linear field, and cubic was asked for."
+               : "It follows the linear field, and nearest was asked for.";
   if (!v.grid().even()) return "It needs evenly spaced slices without a gap.";
   if (v.info().rescale.size() > 1) return "It needs one rescale for all slices.";
   if (v.info().noData) return "It needs data in every voxel, and the volume declares padding.";

@@ -24,6 +24,7 @@ struct FastSlice {
   std::array<std::int64_t, 3> stride{};     // bytes from voxel to voxel
   std::array<std::int64_t, 3> neighbour{};  // the same, 0 on an axis that has one voxel only
   const std::uint8_t* data = nullptr;
+  std::int64_t inset = 0;  // 2^-40 voxel: this far inside the outer voxel centres, reads need no tests
   int samples = 1;
   SlabMode mode = SlabMode::Max;  // of stored values: swapped for a negative slope
   std::int32_t bias = 0;
@@ -36,6 +37,10 @@ struct FastSlice {
 
 // nullopt: only the general kernel can draw it.
 std::optional<FastSlice> fastSliceOf(const SliceJob&, const VoxelLattice&, const Display&);
+
+// Cubic interpolation is a source of its own; drawFast() hands over to it.
+std::uint64_t drawFastCubic(const FastSlice&, const SliceJob&, const VoxelLattice&, const Display&, const Target&,
+                            const Tile&, const std::stop_token&);
 
 // Draws a tile whose x0 is a multiple of kBlock_px; returns the number of samples that lay in the volume.
 std::uint64_t drawFast(const FastSlice&, const SliceJob&, const VoxelLattice&, const Display&, const Target&,

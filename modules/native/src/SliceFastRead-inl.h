@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reading a block's voxels in SIMD: cells, corners, no-data, interpolation. Compiled with SliceFast.cpp once
-// per instruction set, so the guard below is Highway's and toggles.
+// Reads a vector of samples, compiled once per instruction set: nearest, linear (8 voxels), cubic (64).
+// Included after highway.h; the guard lets each instruction set in once.
 #if defined(VERNIER_SLICE_FAST_READ_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef VERNIER_SLICE_FAST_READ_INL_H
 #undef VERNIER_SLICE_FAST_READ_INL_H
 #else
 #define VERNIER_SLICE_FAST_READ_INL_H
 #endif
-
 #include <hwy/highway.h>
 
 #include <algorithm>
 #include <limits>
-#include <type_traits>
 
+#include "GeneralSampler.h"
 #include "SliceFast.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,8 +29,6 @@ using M = hn::MFromD<D>;
 constexpr std::int64_t kHalfVoxel = std::int64_t{1} << (kLaneBits - 1);
 constexpr std::int64_t kOneVoxel = std::int64_t{1} << kLaneBits;
 constexpr int kDrop = kFineBits - kLaneBits;
-// A few units of 2^-24 for rounding: where it is that close to a face, each lane is tested.
-constexpr std::int64_t kMargin = std::int64_t{4} << kDrop;
 
 // Where a block stands at one sample: the voxel of its first pixel and the fractions there.
 struct Base {
@@ -55,7 +52,7 @@ HWY_INLINE const std::uint8_t* AddressOf(const FastSlice& s, const Base& b) {
                                                static_cast<std::uintptr_t>(offset));
 }
 
-// Eight corners of each lane: is any, are all of them no-data?
+// The voxels that a lane reads: is any, are all of them no-data?
 struct NoData {
   M any, all;
 };
@@ -133,7 +130,7 @@ HWY_INLINE VI Saturated(std::int64_t v) {
   return hn::Set(DI(), static_cast<std::int32_t>(std::clamp(v, low, high)));
 }
 
-template <bool kLinear, bool kClamp>
+template <bool kNearest, bool kClamp>
 HWY_INLINE Cell CellAlong(const FastSlice& s, const Base& b, int axis, VI lanes, M& inside) {
   const D d;
   const DI di;
@@ -145,7 +142,7 @@ HWY_INLINE Cell CellAlong(const FastSlice& s, const Base& b, int axis, VI lanes,
     inside = hn::And(inside, hn::RebindMask(d, hn::Not(hn::Or(hn::Lt(p, low), hn::Gt(p, high)))));
     p = hn::Min(hn::Max(p, Saturated(-whole * kOneVoxel)), Saturated((last - whole) * kOneVoxel));
   }
-  if constexpr (!kLinear)
+  if constexpr (kNearest)
     return {hn::ShiftRight<kLaneBits>(hn::Add(p, hn::Set(di, kHalfVoxel))), hn::Zero(d)};
   VI i = hn::ShiftRight<kLaneBits>(p);
   // The last cell also ends at its own upper end, so that no voxel beyond is read.
@@ -156,38 +153,153 @@ HWY_INLINE Cell CellAlong(const FastSlice& s, const Base& b, int axis, VI lanes,
   return {i, hn::Mul(hn::ConvertTo(d, part), hn::Set(d, static_cast<float>(kPositionUnit)))};
 }
 
-// w of one vector of lanes. `inside` (clamped only) loses the lanes that lie outside the volume.
-template <class T, bool kLinear, bool kRange, bool kClamp>
-HWY_INLINE V Read(const FastSlice& s, const Base& b, const VI (&lanes)[3], M& inside, NoData& noData) {
+// Bases of the rows and slices of voxels that a read begins at.
+template <class T>
+HWY_INLINE VI OffsetOf(const FastSlice& s, VI x, VI y, VI z) {
+  const DI di;
+  return hn::Add(hn::ShiftLeft<hwy::CeilLog2(sizeof(T))>(x),
+                 hn::Add(hn::Mul(y, hn::Set(di, static_cast<std::int32_t>(s.stride[1]))),
+                         hn::Mul(z, hn::Set(di, static_cast<std::int32_t>(s.stride[2])))));
+}
+
+template <class T, bool kRange, bool kClamp>
+HWY_INLINE V ReadNearest(const FastSlice& s, const Base& b, const VI (&lanes)[3], M& inside, NoData& noData) {
   const D d;
   const DI di;
-  const Cell x = CellAlong<kLinear, kClamp>(s, b, 0, lanes[0], inside);
-  const Cell y = CellAlong<kLinear, kClamp>(s, b, 1, lanes[1], inside);
-  const Cell z = CellAlong<kLinear, kClamp>(s, b, 2, lanes[2], inside);
-  const VI offset = hn::Add(hn::ShiftLeft<hwy::CeilLog2(sizeof(T))>(x.index),
-                            hn::Add(hn::Mul(y.index, hn::Set(di, static_cast<std::int32_t>(s.stride[1]))),
-                                    hn::Mul(z.index, hn::Set(di, static_cast<std::int32_t>(s.stride[2])))));
+  const Cell x = CellAlong<true, kClamp>(s, b, 0, lanes[0], inside);
+  const Cell y = CellAlong<true, kClamp>(s, b, 1, lanes[1], inside);
+  const Cell z = CellAlong<true, kClamp>(s, b, 2, lanes[2], inside);
+  const VI offset = OffsetOf<T>(s, x.index, y.index, z.index);
   const std::uint8_t* const at = AddressOf(s, b);
-  if constexpr (!kLinear) {
-    if constexpr (std::is_same_v<T, float>) {
-      const V v = hn::GatherOffset(d, reinterpret_cast<const float*>(at), offset);
-      if constexpr (kRange) Tally(s, v, v, noData);
-      return v;
-    } else {
-      VI v, unused;
-      Unpack<T>(hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(at), offset), v, unused);
-      if constexpr (kRange) Tally(s, v, v, noData);
-      return hn::ConvertTo(d, hn::Sub(v, hn::Set(di, s.bias)));
-    }
+  if constexpr (std::is_same_v<T, float>) {
+    const V v = hn::GatherOffset(d, reinterpret_cast<const float*>(at), offset);
+    if constexpr (kRange) Tally(s, v, v, noData);
+    return v;
   } else {
-    constexpr bool kEnd = kClamp && std::is_same_v<T, float>;
-    const std::uint8_t* const up = at + s.neighbour[2];
-    const V a = AlongX<T, kRange, kClamp>(s, at, offset, x.fraction, noData);
-    const V c = AlongX<T, kRange, kClamp>(s, at + s.neighbour[1], offset, x.fraction, noData);
-    const V e = AlongX<T, kRange, kClamp>(s, up, offset, x.fraction, noData);
-    const V g = AlongX<T, kRange, kClamp>(s, up + s.neighbour[1], offset, x.fraction, noData);
-    return Lerp<kEnd>(Lerp<kEnd>(a, c, y.fraction), Lerp<kEnd>(e, g, y.fraction), z.fraction);
+    VI v, unused;
+    Unpack<T>(hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(at), offset), v, unused);
+    if constexpr (kRange) Tally(s, v, v, noData);
+    return hn::ConvertTo(d, hn::Sub(v, hn::Set(di, s.bias)));
   }
+}
+
+template <class T, bool kRange, bool kClamp>
+HWY_INLINE V ReadLinear(const FastSlice& s, const Base& b, const VI (&lanes)[3], M& inside, NoData& noData) {
+  const Cell x = CellAlong<false, kClamp>(s, b, 0, lanes[0], inside);
+  const Cell y = CellAlong<false, kClamp>(s, b, 1, lanes[1], inside);
+  const Cell z = CellAlong<false, kClamp>(s, b, 2, lanes[2], inside);
+  const VI offset = OffsetOf<T>(s, x.index, y.index, z.index);
+  const std::uint8_t* const at = AddressOf(s, b);
+  constexpr bool kEnd = kClamp && std::is_same_v<T, float>;
+  const std::uint8_t* const up = at + s.neighbour[2];
+  const V a = AlongX<T, kRange, kClamp>(s, at, offset, x.fraction, noData);
+  const V c = AlongX<T, kRange, kClamp>(s, at + s.neighbour[1], offset, x.fraction, noData);
+  const V e = AlongX<T, kRange, kClamp>(s, up, offset, x.fraction, noData);
+  const V g = AlongX<T, kRange, kClamp>(s, up + s.neighbour[1], offset, x.fraction, noData);
+  return Lerp<kEnd>(Lerp<kEnd>(a, c, y.fraction), Lerp<kEnd>(e, g, y.fraction), z.fraction);
+}
+
+// One axis of a cubic read: the first of its four voxels, and the weights of the first, third and fourth (the
+// second has the rest of 1). Cubic.h says what they are.
+struct CubicCell {
+  VI first;
+  V w0, w2, w3;
+};
+
+template <bool kClamp>
+HWY_INLINE CubicCell CubicAlong(const FastSlice& s, const Base& b, int axis, VI lanes, M& inside) {
+  const D d;
+  const DI di;
+  const Cell cell = CellAlong<false, kClamp>(s, b, axis, lanes, inside);
+  const V t = cell.fraction, one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
+  const V u = hn::Sub(one, t);
+  const V side = hn::Mul(hn::Mul(half, t), hn::Neg(u));  // -t u / 2
+  CubicCell c{hn::Sub(cell.index, hn::Set(di, 1)), hn::Mul(side, u),
+              hn::Mul(hn::Mul(half, t), hn::MulAdd(t, hn::NegMulAdd(hn::Set(d, 3.0f), t, hn::Set(d, 4.0f)), one)),
+              hn::Mul(side, t)};
+  if constexpr (kClamp) {
+    // In the first and the last cell of an axis: the parabola through the three voxels that there are.
+    constexpr std::int64_t far = 1 << 20;
+    const std::int64_t whole = b.whole[axis], last = s.last[static_cast<std::size_t>(axis)];
+    const VI beginIndex = hn::Set(di, static_cast<std::int32_t>(std::clamp(-whole, -far, far)));
+    const VI endIndex = hn::Set(di, static_cast<std::int32_t>(std::clamp(last - 1 - whole, -far, far)));
+    const M begin = hn::RebindMask(d, hn::Eq(cell.index, beginIndex));
+    const M end = hn::RebindMask(d, hn::Eq(cell.index, endIndex));
+    c.first = hn::Min(hn::Max(c.first, beginIndex), hn::Sub(endIndex, hn::Set(di, 2)));
+    c.w0 = hn::IfThenElse(begin, hn::Mul(hn::Mul(half, u), hn::Add(one, u)), hn::IfThenZeroElse(end, c.w0));
+    c.w2 = hn::IfThenElse(begin, side, hn::IfThenElse(end, hn::Mul(u, hn::Add(one, t)), c.w2));
+    c.w3 = hn::IfThenZeroElse(begin, hn::IfThenElse(end, hn::Mul(hn::Mul(half, t), hn::Add(one, t)), c.w3));
+  }
+  return c;
+}
+
+// Differences from the second value, so that rounding counts against the local range only.
+template <bool kExactEnd>
+HWY_INLINE V Blend(V a, V b, V c, V e, const CubicCell& w) {
+  const V v = hn::Add(b, hn::MulAdd(w.w3, hn::Sub(e, b), hn::MulAdd(w.w2, hn::Sub(c, b), hn::Mul(w.w0, hn::Sub(a, b)))));
+  if constexpr (!kExactEnd) return v;
+  const V one = hn::Set(D(), 1.0f);
+  return hn::IfThenElse(hn::Eq(w.w0, one), a,
+                        hn::IfThenElse(hn::Eq(w.w2, one), c, hn::IfThenElse(hn::Eq(w.w3, one), e, v)));
+}
+
+// Four neighbours along x from one read of bytes, two of 16 bits, four of floats.
+template <class T, bool kRange, bool kClamp>
+HWY_INLINE V CubicAlongX(const FastSlice& s, const std::uint8_t* row, VI offset, const CubicCell& w, NoData& noData) {
+  const D d;
+  const DI di;
+  if constexpr (std::is_same_v<T, float>) {
+    const float* const p = reinterpret_cast<const float*>(row);
+    const V a = hn::GatherOffset(d, p, offset), b = hn::GatherOffset(d, p + 1, offset);
+    const V c = hn::GatherOffset(d, p + 2, offset), e = hn::GatherOffset(d, p + 3, offset);
+    if constexpr (kRange) Tally(s, a, b, noData), Tally(s, c, e, noData);
+    return Blend<kClamp>(a, b, c, e, w);
+  } else {
+    VI a, b, c, e;
+    const VI low = hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(row), offset);
+    Unpack<T>(low, a, b);
+    if constexpr (sizeof(T) == 1)
+      Unpack<T>(hn::ShiftRight<16>(low), c, e);
+    else
+      Unpack<T>(hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(row + 4), offset), c, e);
+    if constexpr (kRange) Tally(s, a, b, noData), Tally(s, c, e, noData);
+    const V sum = hn::MulAdd(w.w3, hn::ConvertTo(d, hn::Sub(e, b)),
+                             hn::MulAdd(w.w2, hn::ConvertTo(d, hn::Sub(c, b)),
+                                        hn::Mul(w.w0, hn::ConvertTo(d, hn::Sub(a, b)))));
+    return hn::Add(hn::ConvertTo(d, hn::Sub(b, hn::Set(di, s.bias))), sum);
+  }
+}
+
+// Needs four voxels along each axis.
+template <class T, bool kRange, bool kClamp>
+HWY_INLINE V ReadCubic(const FastSlice& s, const Base& b, const VI (&lanes)[3], M& inside, NoData& noData) {
+  const D d;
+  const CubicCell x = CubicAlong<kClamp>(s, b, 0, lanes[0], inside);
+  const CubicCell y = CubicAlong<kClamp>(s, b, 1, lanes[1], inside);
+  const CubicCell z = CubicAlong<kClamp>(s, b, 2, lanes[2], inside);
+  const VI offset = OffsetOf<T>(s, x.first, y.first, z.first);
+  const std::uint8_t* const at = AddressOf(s, b);
+  constexpr bool kEnd = kClamp && std::is_same_v<T, float>;
+  const auto plane = [&](const std::uint8_t* slice) {
+    V rows[4];
+    for (int n = 0; n < 4; ++n)
+      rows[n] = CubicAlongX<T, kRange, kClamp>(s, slice + n * s.stride[1], offset, x, noData);
+    return Blend<kEnd>(rows[0], rows[1], rows[2], rows[3], y);
+  };
+  // A picture along the slices, through their centres, needs one slice of the four.
+  const V weight = hn::Add(hn::Abs(z.w0), hn::Add(hn::Abs(z.w2), hn::Abs(z.w3)));
+  if (hn::AllTrue(d, hn::Eq(weight, hn::Zero(d)))) return plane(at + s.stride[2]);
+  V slices[4];
+  for (int n = 0; n < 4; ++n) slices[n] = plane(at + n * s.stride[2]);
+  return Blend<kEnd>(slices[0], slices[1], slices[2], slices[3], z);
+}
+
+// w of one vector of lanes. `inside` (clamped only) loses the lanes that lie outside the volume.
+template <class T, Interpolation kI, bool kRange, bool kClamp>
+HWY_INLINE V Read(const FastSlice& s, const Base& b, const VI (&lanes)[3], M& inside, NoData& noData) {
+  if constexpr (kI == Interpolation::Nearest) return ReadNearest<T, kRange, kClamp>(s, b, lanes, inside, noData);
+  if constexpr (kI == Interpolation::Linear) return ReadLinear<T, kRange, kClamp>(s, b, lanes, inside, noData);
+  return ReadCubic<T, kRange, kClamp>(s, b, lanes, inside, noData);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -111,7 +111,10 @@ std::optional<FastSlice> fastSliceOf(const SliceJob& job, const VoxelLattice& la
   if (!nearEnough(job, lattice)) return std::nullopt;
   for (int a = 0; a < 3; ++a)
     if (!(std::abs(lattice.right[a]) * (kBlock_px - 1) < kWidestBlock_vox)) return std::nullopt;
+  const bool cubic = job.interpolation == Interpolation::Cubic;
+  if (cubic && (g.columns < 4 || g.rows < 4 || g.slices < 4)) return std::nullopt;
   FastSlice s;
+  s.inset = cubic ? std::int64_t{1} << kFineBits : 0;
   setStrides(s, g, static_cast<std::int64_t>(bytesOf(v.type())));
   const auto farthest = static_cast<std::int64_t>(kFarthest_vox);
   if (s.last[0] >= farthest || s.last[1] >= farthest || s.last[2] >= farthest) return std::nullopt;

@@ -28,15 +28,13 @@ template <class T>
 std::uint64_t drawGeneral(const SliceJob& job, const VoxelLattice& lattice, const Display& display,
                           const Target& target, const Tile& tile, const std::stop_token& stop) {
   const GeneralSampler<T> sampler(*job.volume);
-  const bool linear = job.interpolation == Interpolation::Linear;
   std::uint64_t samples = 0;
   for (int y = tile.y0; y < tile.y1; ++y) {
     if (stop.stop_requested()) return samples;
     for (int x = tile.x0; x < tile.x1; ++x) {
       Accumulator pixel{job.slab.mode};
       for (int k = 0; k < lattice.samples; ++k) {
-        const glm::dvec3 p = lattice.at(x, y, k);
-        pixel.add(linear ? sampler.linear(p, samples) : sampler.nearest(p, samples));
+        pixel.add(sampler.value(job.interpolation, lattice.at(x, y, k), samples));
       }
       putPixel(display, target, x, y, pixel.result());
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "Font.h"
+#include "vernier/base/Threads.h"
 #include "vernier/picture/Png.h"
 
 namespace vernier {
@@ -58,7 +59,7 @@ Picture shrunk(const Picture& picture, int width, int height) {
               std::max(1, static_cast<int>(std::floor(picture.height * factor + 1e-9))));
   const std::vector<Span> columns = spansOf(picture.width, out.width),
                           rows = spansOf(picture.height, out.height);
-  for (int y = 0; y < out.height; ++y)
+  const auto shrinkRow = [&](int y) {
     for (int x = 0; x < out.width; ++x) {
       const Span &c = columns[static_cast<std::size_t>(x)], &r = rows[static_cast<std::size_t>(y)];
       double sum[3] = {0, 0, 0};
@@ -70,6 +71,10 @@ Picture shrunk(const Picture& picture, int width, int height) {
       for (int k = 0; k < 3; ++k)
         out.at(x, y)[k] = static_cast<std::uint8_t>(std::lround(std::clamp(sum[k], 0.0, 255.0)));
     }
+  };
+  parallelFor(static_cast<std::size_t>(out.height), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y) shrinkRow(static_cast<int>(y));
+  });
   return out;
 }
 

@@ -19,11 +19,12 @@ bool says(const std::vector<Finding>& findings, const char* code) {
   return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) { return f.code == code; });
 }
 
-// "axial" for the patient's own planes, "" for others.
-std::string planeName(PatientVec normal) {
+// "axial" for the patient's own planes, "" for others. Of axes that nobody knows only their names are said.
+std::string planeName(PatientVec normal, bool axesKnown) {
   const char* names[] = {"sagittal", "coronal", "axial"};
+  const char* unknown[] = {"yz", "xz", "xy"};
   for (int k = 0; k < 3; ++k)
-    if (std::abs(normal.v[k]) >= 1 - 1e-9) return names[k];
+    if (std::abs(normal.v[k]) >= 1 - 1e-9) return axesKnown ? names[k] : unknown[k];
   return "";
 }
 
@@ -69,8 +70,8 @@ double offLine_mm(const GridGeometry& grid) {
 }
 
 // What of the acquisition changes what is seen.
-void describeStack(const VolumeInfo& info, const SliceLayer& layer, const SlicePicture& picture,
-                   Annotations& out) {
+// `across`: it is interpolated from slice to slice.
+void describeStack(const VolumeInfo& info, bool across, Annotations& out) {
   const GridGeometry& grid = info.grid;
   const glm::dvec3 normal = stackNormal(grid);
   const glm::dvec3 along = glm::normalize(grid.patientFromVoxel.linear[2]);
@@ -94,11 +95,29 @@ void describeStack(const VolumeInfo& info, const SliceLayer& layer, const SliceP
     out.what.push_back(plain((info.modality == "CT" ? "gantry tilt" : "slices sheared") + tilt,
                              (info.modality == "CT" ? "tilt" : "shear") + tilt));
   }
-  const bool across = std::abs(glm::dot(picture.normal.v, normal)) < 0.9999 || layer.slab.thickness_mm > 0;
   if (across && grid.slices > 1 && grid.spacing_mm().z >= kCoarseStep_mm)
     out.what.push_back(plain("coarse in z"));
   if (const double e_mm = offLine_mm(grid); e_mm > 0)
     out.what.push_back(plain("uneven slices, up to " + fixedDigits(e_mm, 2) + " mm", "uneven slices"));
+}
+
+// Where the letters L R A P H F do not apply, the picture says why it has none.
+struct NoLetters {
+  const char *line, *brief;
+};
+std::optional<NoLetters> whyNoLetters(const std::vector<Finding>& findings) {
+  if (says(findings, "quadruped")) return NoLetters{"quadruped: no letters", "quadruped"};
+  if (says(findings, "not-patient-frame"))
+    return NoLetters{"transducer's frame: no letters", "transducer's frame"};
+  if (says(findings, "axes-unknown")) return NoLetters{"axes not known: no letters", "axes not known"};
+  return std::nullopt;
+}
+
+void describeVolume(const VolumeInfo& info, Interpolation interpolation, bool across, Annotations& out) {
+  if (interpolation == Interpolation::Cubic) out.what.push_back(plain("cubic interpolation", "cubic"));
+  describeStack(info, across, out);
+  if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
+  if (const auto why = whyNoLetters(info.findings)) out.what.push_back(plain(why->line, why->brief));
 }
 
 TextLine windowLine(const VoiWindow& w, const std::string& unit, bool inverted) {
@@ -116,17 +135,6 @@ double roundedUp(double x) {
   return std::ceil(x / unit - 1e-9) * unit;
 }
 
-// Where the letters L R A P H F do not apply, the picture says why it has none.
-struct NoLetters {
-  const char *line, *brief;
-};
-std::optional<NoLetters> whyNoLetters(const std::vector<Finding>& findings) {
-  if (says(findings, "quadruped")) return NoLetters{"quadruped: no letters", "quadruped"};
-  if (says(findings, "not-patient-frame"))
-    return NoLetters{"transducer's frame: no letters", "transducer's frame"};
-  return std::nullopt;
-}
-
 }  // namespace
 
 Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, const VolumeInfo& info,
@@ -136,14 +144,28 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
   out.mmPerPixel = picture.mmPerPixel;
   std::string what = layer.slab.thickness_mm > 0 ? slabName(layer.slab) : "MPR";
   const std::string method = what;
-  if (const std::string name = planeName(picture.normal); !name.empty()) {
+  if (const std::string name = planeName(picture.normal, !says(info.findings, "axes-unknown")); !name.empty()) {
     const std::string number = sliceNumber(info.grid, picture, layer.plane.point);
     what += " " + name + (number.empty() ? "" : " " + number);
   }
   out.what.push_back(plain(what, method));
-  describeStack(info, layer, picture, out);
-  if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
-  if (const auto why = whyNoLetters(info.findings)) out.what.push_back(plain(why->line, why->brief));
+  const bool across = std::abs(glm::dot(picture.normal.v, stackNormal(info.grid))) < 0.9999 ||
+                      layer.slab.thickness_mm > 0;
+  describeVolume(info, layer.interpolation, across, out);
+  out.status.push_back(windowLine(window, info.unit, layer.invert));
+  return out;
+}
+
+Annotations describeCurved(const CurvedLayer& layer, const CurvedPicture& picture, const VolumeInfo& info,
+                           const VoiWindow& window) {
+  Annotations out;
+  if (!whyNoLetters(info.findings)) out.letters = edgeLetters(picture);
+  out.mmPerPixel = picture.mmPerPixel;
+  const std::string method =
+      layer.slab.thickness_mm > 0 ? "curved " + slabName(layer.slab) : std::string("curved MPR");
+  out.what.push_back(
+      plain(method + (layer.form == CurvedForm::Straightened ? ", straightened" : ", stretched"), method));
+  describeVolume(info, layer.interpolation, true, out);
   out.status.push_back(windowLine(window, info.unit, layer.invert));
   return out;
 }

@@ -2,6 +2,9 @@
 #include "vernier/picture/Hatch.h"
 
 #include <algorithm>
+#include <atomic>
+
+#include "vernier/base/Threads.h"
 
 namespace vernier {
 namespace {
@@ -26,26 +29,43 @@ bool inGap(const GridGeometry& grid, const glm::dvec3& p) {
          row <= static_cast<double>(grid.rows) - 0.5;
 }
 
-}  // namespace
-
-std::size_t hatchGaps(Picture& picture, const Images& images, const SlicePicture& slice,
-                      const GridGeometry& grid) {
+// `pointAt` gives the patient point of a pixel's centre, if it has one.
+template <class PointAt>
+std::size_t hatch(Picture& picture, const Images& images, const GridGeometry& grid, const PointAt& pointAt) {
   if (grid.gapAfter.empty() || grid.even()) return 0;
   const VoxelFromPatient voxelFromPatient = grid.patientFromVoxel.inverse();
-  std::size_t n = 0;
-  for (int y = 0; y < picture.height; ++y)
+  std::atomic<std::size_t> count = 0;
+  const auto row = [&](int y) {
+    std::size_t n = 0;
     for (int x = 0; x < picture.width; ++x) {
       const std::size_t at =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x);
       if (images.depth[at] != kNothing_mm) continue;
-      const PatientPoint p = slice.origin + (x + 0.5) * slice.right + (y + 0.5) * slice.down;
-      if (!inGap(grid, (voxelFromPatient * p).p)) continue;
+      const std::optional<PatientPoint> p = pointAt(glm::dvec2(x + 0.5, y + 0.5));
+      if (!p || !inGap(grid, (voxelFromPatient * *p).p)) continue;
       ++n;
       if ((x + y) % kPeriod_px >= kLine_px) continue;
       std::uint8_t* rgb = picture.at(x, y);
       rgb[0] = kLine.r, rgb[1] = kLine.g, rgb[2] = kLine.b;
     }
-  return n;
+    count += n;
+  };
+  parallelFor(static_cast<std::size_t>(picture.height), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t y = begin; y < end; ++y) row(static_cast<int>(y));
+  });
+  return count;
+}
+
+}  // namespace
+
+std::size_t hatchGaps(Picture& picture, const Images& images, const SlicePicture& slice,
+                      const GridGeometry& grid) {
+  return hatch(picture, images, grid, [&](glm::dvec2 pixel) { return std::optional(patientAt(slice, pixel)); });
+}
+
+std::size_t hatchGaps(Picture& picture, const Images& images, const CurvedPicture& curved,
+                      const GridGeometry& grid) {
+  return hatch(picture, images, grid, [&](glm::dvec2 pixel) { return patientAt(curved, pixel); });
 }
 
 }  // namespace vernier

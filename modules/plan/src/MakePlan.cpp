@@ -106,7 +106,8 @@ class Planner {
           guarded(t->name, [&] { return t->passesFor(layer, index, context_); });
       if (!passes) {
         const ErrorCode code = passes.error().code;
-        if (!sceneFault && (code == ErrorCode::PlaneDegenerate || code == ErrorCode::SceneInvalid))
+        if (!sceneFault && (code == ErrorCode::PlaneDegenerate || code == ErrorCode::PathDegenerate ||
+                            code == ErrorCode::SceneInvalid))
           sceneFault = passes.error();
         refuse(*t, passes.error().sentence);
         continue;
@@ -153,6 +154,10 @@ class Planner {
       plan_.notes.push_back(layerName(index, kind) + ": predicted error " + rounded(best->error, 2) +
                             " levels, " + rounded(goal_, 3) +
                             " wanted, for the frame rate that was asked for");
+    for (Pass& pass : best->passes)
+      plan_.notes.insert(plan_.notes.end(), std::make_move_iterator(pass.notes.begin()),
+                         std::make_move_iterator(pass.notes.end()));
+    for (Pass& pass : best->passes) pass.notes.clear();
     plan_.passes.insert(plan_.passes.end(), std::make_move_iterator(best->passes.begin()),
                         std::make_move_iterator(best->passes.end()));
   }
@@ -266,9 +271,9 @@ std::string pluginOf(const std::string& kind) {
   struct Row {
     const char *kind, *plugin;
   };
-  constexpr Row rows[] = {{"image", "mpr"},          {"slice", "mpr"},  {"projection", "angiography"},
-                          {"shells", "angiography"}, {"volume", "dvr"}, {"isosurface", "dvr"},
-                          {"surface", "surgery"},    {"lens", "lens"}};
+  constexpr Row rows[] = {{"image", "mpr"},   {"slice", "mpr"},      {"curved", "mpr"},
+                          {"projection", "angiography"}, {"shells", "angiography"}, {"volume", "dvr"},
+                          {"isosurface", "dvr"}, {"surface", "surgery"}, {"lens", "lens"}};
   for (const Row& row : rows)
     if (kind == row.kind) return row.plugin;
   const std::size_t dot = kind.find('.');

@@ -22,6 +22,7 @@ constexpr ViewName kViews[] = {
     {"sagittal", "mpr"},
     {"oblique", "mpr"},
     {"slab", "mpr"},
+    {"curved", "mpr"},
     {"mip", "angiography"},
     {"minip", "angiography"},
     {"sum", "angiography"},
@@ -53,6 +54,25 @@ double longestEdge_mm(const GridGeometry& grid) {
                                 glm::length(m[1]) * static_cast<double>(grid.rows - 1),
                                 glm::length(m[2]) * (grid.lastPosition_vox() - grid.firstPosition_vox())});
   return edge > 0 ? edge : std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
+}
+
+Result<Scene> curvedScene(const std::string& source, const PresetOptions& options) {
+  if (!options.curved)
+    return makeError(ErrorCode::OptionInvalid, "The view 'curved' needs a path of points in the patient.",
+                     "path");
+  if (options.slice || options.plane)
+    return makeError(ErrorCode::OptionInvalid,
+                     "The view 'curved' follows a path; it has no slice number and no plane.",
+                     options.slice ? "slice" : "plane");
+  CurvedLayer layer = *options.curved;
+  layer.source = source;
+  layer.slab = options.slab.value_or(Slab{});
+  layer.interpolation = options.interpolation;
+  layer.window = options.window;
+  Scene scene;
+  scene.camera = options.camera;
+  scene.layers.emplace_back(std::move(layer));
+  return scene;
 }
 
 }  // namespace
@@ -113,7 +133,7 @@ Result<Scene> presetScene(const std::string& viewName, const std::string& source
   if (plugin.empty())
     return makeError(ErrorCode::SceneInvalid,
                      "There is no view called '" + viewName +
-                         "'; views are: stack, axial, coronal, sagittal, oblique, slab.");
+                         "'; views are: stack, axial, coronal, sagittal, oblique, slab, curved.");
   if (plugin != "mpr")
     return makeError(ErrorCode::NotBuiltYet,
                      "The view '" + viewName + "' comes with the plugin " + plugin +
@@ -121,6 +141,10 @@ Result<Scene> presetScene(const std::string& viewName, const std::string& source
   if (viewName == "stack")
     return makeError(ErrorCode::SceneInvalid,
                      "The view 'stack' shows stored frames and is not made from a volume.");
+
+  if (viewName == "curved") return curvedScene(source, options);
+  if (options.curved)
+    return makeError(ErrorCode::OptionInvalid, "A path belongs to the view 'curved'.", "path");
 
   SliceLayer layer;
   layer.source = source;

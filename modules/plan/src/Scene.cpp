@@ -5,6 +5,7 @@ namespace vernier {
 namespace {
 std::string kind(const ImageLayer&) { return "image"; }
 std::string kind(const SliceLayer&) { return "slice"; }
+std::string kind(const CurvedLayer&) { return "curved"; }
 std::string kind(const CustomLayer& layer) { return layer.kind; }
 }  // namespace
 

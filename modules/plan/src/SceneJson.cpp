@@ -59,6 +59,16 @@ std::string write(const SliceLayer& l) {
              "\"", l.window ? cat(", \"window\": ", write(*l.window)) : "", ", \"invert\": ", flag(l.invert),
              "}");
 }
+std::string write(const CurvedLayer& l) {
+  std::string path;
+  for (const PatientPoint& p : l.path) path += cat(path.empty() ? "" : ", ", vec(p.p));
+  return cat("{\"kind\": \"curved\", \"source\": ", text(l.source), ", \"path\": [", path, "], \"form\": \"",
+             nameOf(l.form), "\"", l.up ? cat(", \"up\": ", vec(l.up->v)) : "", ", \"width_mm\": ",
+             number(l.width_mm), ", \"slab\": {\"thickness_mm\": ", number(l.slab.thickness_mm),
+             ", \"mode\": \"", nameOf(l.slab.mode), "\"}, \"interpolation\": \"", nameOf(l.interpolation),
+             "\"", l.window ? cat(", \"window\": ", write(*l.window)) : "", ", \"invert\": ", flag(l.invert),
+             "}");
+}
 std::string write(const CustomLayer& l) { return l.json; }
 
 Error sceneError(const JsonFault& fault) {
@@ -123,6 +133,8 @@ Result<Scene> parseScene(std::string_view json) {
         scene.layers.emplace_back(readImage(layers[i], path));
       else if (kind == "slice")
         scene.layers.emplace_back(readSlice(layers[i], path));
+      else if (kind == "curved")
+        scene.layers.emplace_back(readCurved(layers[i], path));
       else
         scene.layers.emplace_back(readCustom(layers[i], path, texts.at(i)));
     }
@@ -130,11 +142,17 @@ Result<Scene> parseScene(std::string_view json) {
   });
 }
 
+Result<std::vector<PatientPoint>> parsePath(std::string_view json) {
+  if (json.starts_with("\xEF\xBB\xBF")) json.remove_prefix(3);
+  return parsed<std::vector<PatientPoint>>(
+      [&] { return Result<std::vector<PatientPoint>>(readPoints(parseJson(json), "")); });
+}
+
 Result<CustomLayer> customLayer(std::string_view json) {
   return parsed<CustomLayer>([&] {
     const nlohmann::json value = parseJson(json);
     const std::string kind = kindAt(value, "");
-    if (kind == "image" || kind == "slice")
+    if (kind == "image" || kind == "slice" || kind == "curved")
       throw JsonFault{"The kind '" + kind + "' is known and cannot be a custom layer.", "/kind"};
     return Result<CustomLayer>(readCustom(value, "", withoutSpace(json)));
   });

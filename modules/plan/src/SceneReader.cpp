@@ -3,6 +3,8 @@
 
 #include <limits>
 
+#include "vernier/plan/CurvedGeometry.h"
+
 namespace vernier {
 namespace {
 
@@ -15,7 +17,10 @@ constexpr Name<VoiFunction> kFunctions[] = {{VoiFunction::Linear, "linear"},
                                             {VoiFunction::LinearExact, "linear_exact"},
                                             {VoiFunction::Sigmoid, "sigmoid"}};
 constexpr Name<Interpolation> kInterpolations[] = {{Interpolation::Nearest, "nearest"},
-                                                   {Interpolation::Linear, "linear"}};
+                                                   {Interpolation::Linear, "linear"},
+                                                   {Interpolation::Cubic, "cubic"}};
+constexpr Name<CurvedForm> kCurvedForms[] = {{CurvedForm::Straightened, "straightened"},
+                                             {CurvedForm::Stretched, "stretched"}};
 constexpr Name<SlabMode> kSlabModes[] = {
     {SlabMode::Max, "max"}, {SlabMode::Min, "min"}, {SlabMode::Mean, "mean"}};
 constexpr Name<Projection> kProjections[] = {{Projection::Orthographic, "orthographic"},
@@ -81,6 +86,7 @@ Slab readSlab(const nlohmann::json& value, const std::string& path) {
 
 const char* nameOf(VoiFunction v) { return nameIn(kFunctions, v); }
 const char* nameOf(Interpolation v) { return nameIn(kInterpolations, v); }
+const char* nameOf(CurvedForm v) { return nameIn(kCurvedForms, v); }
 const char* nameOf(SlabMode v) { return nameIn(kSlabModes, v); }
 const char* nameOf(Projection v) { return nameIn(kProjections, v); }
 
@@ -209,6 +215,9 @@ ImageLayer readImage(const nlohmann::json& value, const std::string& path) {
   if (o.has("window")) l.window = readWindow(o.child("window"), o.pathOf("window"));
   if (o.has("voi_lut")) l.voiLut = static_cast<int>(o.integer("voi_lut", 0, std::numeric_limits<int>::max()));
   if (o.has("interpolation")) l.interpolation = choice(o, "interpolation", kInterpolations);
+  if (l.interpolation == Interpolation::Cubic)
+    throw JsonFault{"Stored frames are shown with nearest or linear; cubic is for slices of a volume.",
+                    o.pathOf("interpolation")};
   if (o.has("invert")) l.invert = o.flag("invert");
   if (o.has("flip_horizontal")) l.flipHorizontal = o.flag("flip_horizontal");
   if (o.has("flip_vertical")) l.flipVertical = o.flag("flip_vertical");
@@ -222,6 +231,44 @@ SliceLayer readSlice(const nlohmann::json& value, const std::string& path) {
   o.text("kind");
   l.source = o.text("source");
   l.plane = readPlane(o.child("plane"), o.pathOf("plane"));
+  if (o.has("slab")) l.slab = readSlab(o.child("slab"), o.pathOf("slab"));
+  if (o.has("interpolation")) l.interpolation = choice(o, "interpolation", kInterpolations);
+  if (o.has("window")) l.window = readWindow(o.child("window"), o.pathOf("window"));
+  if (o.has("invert")) l.invert = o.flag("invert");
+  o.refuseOthers();
+  return l;
+}
+
+std::vector<PatientPoint> readPoints(const nlohmann::json& list, const std::string& path) {
+  if (!list.is_array())
+    throw JsonFault{std::string("A list of points is expected here, not ") + list.type_name() + ".", path};
+  if (list.size() > kMostPathPoints)
+    throw JsonFault{"The path has " + std::to_string(list.size()) + " points, at most " +
+                        std::to_string(kMostPathPoints) + " are read.",
+                    path};
+  std::vector<PatientPoint> points;
+  for (std::size_t n = 0; n < list.size(); ++n) {
+    const nlohmann::json& p = list[n];
+    const auto number = [&](std::size_t i) { return p[i].is_number(); };
+    if (!p.is_array() || p.size() != 3 || !number(0) || !number(1) || !number(2))
+      throw JsonFault{"A point is a list of three numbers, mm in the patient.", pointerTo(path, n)};
+    points.emplace_back(p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
+  }
+  return points;
+}
+
+CurvedLayer readCurved(const nlohmann::json& value, const std::string& path) {
+  const ObjectReader o(value, path);
+  CurvedLayer l;
+  o.text("kind");
+  l.source = o.text("source");
+  l.path = readPoints(o.child("path"), o.pathOf("path"));
+  if (o.has("form")) l.form = choice(o, "form", kCurvedForms);
+  if (o.has("up")) {
+    const std::array<double, 3> up = o.numbers<3>("up");
+    l.up = PatientVec(up[0], up[1], up[2]);
+  }
+  if (o.has("width_mm")) l.width_mm = above0(o, "width_mm");
   if (o.has("slab")) l.slab = readSlab(o.child("slab"), o.pathOf("slab"));
   if (o.has("interpolation")) l.interpolation = choice(o, "interpolation", kInterpolations);
   if (o.has("window")) l.window = readWindow(o.child("window"), o.pathOf("window"));

@@ -43,10 +43,13 @@ void checkSchema(const ObjectReader& top);
 Camera readCamera(const nlohmann::json&, const std::string& path);
 Rgb readRgb(const ObjectReader&, const std::string& key);
 ImageLayer readImage(const nlohmann::json&, const std::string& path);
+std::vector<PatientPoint> readPoints(const nlohmann::json& list, const std::string& path);
+CurvedLayer readCurved(const nlohmann::json&, const std::string& path);
 SliceLayer readSlice(const nlohmann::json&, const std::string& path);
 
 const char* nameOf(VoiFunction);
 const char* nameOf(Interpolation);
+const char* nameOf(CurvedForm);
 const char* nameOf(SlabMode);
 const char* nameOf(Projection);
 

@@ -121,9 +121,8 @@ Result<ErrorReport> measureError(const Frame& frame, const Scene& scene, const V
   std::vector<std::size_t> pixels(drawn.size());
   std::transform(drawn.begin(), drawn.end(), pixels.begin(), [&](std::size_t d) { return all[d]; });
 
-  const SliceReference* topSlice =
-      layers->prepared().empty() ? nullptr : std::get_if<SliceReference>(&layers->prepared().back().layer);
-  const bool withValues = frame.images.values.size() == count && topSlice;
+  const VolumeReading* top = layers->prepared().empty() ? nullptr : layers->prepared().back().reading();
+  const bool withValues = frame.images.values.size() == count && top;
   std::vector<Sample> samples(pixels.size());
   parallelFor(pixels.size(), 16, [&](std::size_t begin, std::size_t end) {
     if (stop.stop_requested()) return;
@@ -146,7 +145,7 @@ Result<ErrorReport> measureError(const Frame& frame, const Scene& scene, const V
   r.kind = options.reference.kind;
   r.seed = options.seed;
   summarise(samples, options, r);
-  if (withValues) r.values = valueError(samples, pixels, frame, topSlice->volume());
+  if (withValues) r.values = valueError(samples, pixels, frame, top->volume());
   return r;
 }
 

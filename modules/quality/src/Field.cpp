@@ -8,9 +8,6 @@ namespace vernier::quality {
 namespace {
 
 std::size_t idx(std::int64_t n) { return static_cast<std::size_t>(n); }
-bool isGap(const GridGeometry& g, std::int64_t slice) {
-  return std::binary_search(g.gapAfter.begin(), g.gapAfter.end(), slice);
-}
 
 // Gauss-Legendre with 8 points on [a, b].
 template <class Fn>
@@ -104,13 +101,26 @@ std::optional<Field::Span> Field::sliceSpanOf(double mid, double a, double b) co
                                       [](double v, const glm::dvec3& o) { return v < o.z; });
   const std::int64_t s = above - g.sliceOrigin_vox.begin() - 1;
   const double below_vox = mid - z(s), above_vox = z(s + 1) - mid;
-  if (isGap(g, s)) {
+  if (isGap(s)) {
     if (below_vox <= reach && below_vox <= above_vox) return held(s);
     return above_vox <= reach ? std::optional(held(s + 1)) : std::nullopt;
   }
   if (nearest_) return held(below_vox < above_vox ? s : s + 1);
   const double width = z(s + 1) - z(s);
   return Span{s, s + 1, std::clamp((a - z(s)) / width, 0.0, 1.0), std::clamp((b - z(s)) / width, 0.0, 1.0)};
+}
+
+bool Field::isGap(std::int64_t slice) const {
+  const auto& gaps = v_.grid().gapAfter;
+  return std::binary_search(gaps.begin(), gaps.end(), slice);
+}
+
+std::optional<double> Field::voxel(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  const double stored = v_.stored(i, j, k);
+  if (v_.isNoData(stored)) return std::nullopt;
+  const ModalityRescale& r = v_.rescaleOf(k);
+  const double value = r.slope * stored + r.intercept;
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 glm::dvec2 Field::offsetOf(std::int64_t slice) const {
@@ -130,14 +140,11 @@ Field::Corners Field::cornersOf(std::int64_t slice, glm::dvec3 mid, glm::dvec3 a
   c.y = *y;
   for (std::size_t n = 0; n < 4; ++n) {
     const std::int64_t i = n & 1 ? x->hi : x->lo, j = n & 2 ? y->hi : y->lo;
-    const double stored = v_.stored(i, j, slice);
-    if (v_.isNoData(stored)) continue;
-    const ModalityRescale& r = v_.rescaleOf(slice);
-    const double value = r.slope * stored + r.intercept;
-    if (!std::isfinite(value)) continue;
-    c.value[n] = value;
+    const std::optional<double> value = voxel(i, j, slice);
+    if (!value) continue;
+    c.value[n] = *value;
     c.valid[n] = true;
-    if (range) range->add(value);
+    if (range) range->add(*value);
   }
   return c;
 }
@@ -148,6 +155,8 @@ std::optional<Piece> Field::piece(glm::dvec3 origin, glm::dvec3 step, double beg
   const glm::dvec3 mid = origin + 0.5 * (begin + end) * step;
   const auto k = sliceSpanOf(mid.z, a.z, b.z);
   if (!k) return std::nullopt;
+  if (cubic_)
+    if (std::optional<Poly> p = cubicAlong(*k, mid, a, b, range)) return Piece{begin, end, *p, {}, true};
   LocalRange local;
   std::array<Poly, 2> value, weight;
   bool plain = true;
@@ -181,6 +190,8 @@ std::optional<Piece> Field::piece(glm::dvec3 origin, glm::dvec3 step, double beg
 std::optional<double> Field::at(glm::dvec3 p, LocalRange* range) const {
   const auto k = sliceSpanOf(p.z, p.z, p.z);
   if (!k) return std::nullopt;
+  if (cubic_)
+    if (const std::optional<double> value = cubicAt(*k, p, range)) return value;
   LocalRange local;
   std::array<double, 2> value{}, weight{};
   const std::size_t slices = k->hi == k->lo ? 1 : 2;
@@ -236,12 +247,13 @@ std::vector<double> Field::cuts(glm::dvec3 origin, glm::dvec3 step) const {
     const double z = origin.z + 0.5 * (t[n] + t[n + 1]) * step.z;
     const auto k = sliceSpanOf(z, z, z);
     if (!k) continue;
-    for (std::int64_t slice : {k->lo, k->hi}) {
+    const std::int64_t reach = cubic_ ? 1 : 0;
+    for (std::int64_t slice = std::max<std::int64_t>(k->lo - reach, 0);
+         slice <= std::min(k->hi + reach, g.slices - 1); ++slice) {
       const glm::dvec2 o = offsetOf(slice);
       if (slice != k->lo && o == offsetOf(k->lo)) continue;
       addCrossings(origin.x - o.x, step.x, g.columns, nearest_, t[n], t[n + 1], all);
       addCrossings(origin.y - o.y, step.y, g.rows, nearest_, t[n], t[n + 1], all);
-      if (k->hi == k->lo) break;
     }
   }
   std::sort(all.begin(), all.end());

@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "Polynomial.h"
@@ -41,7 +42,9 @@ struct Piece {
 class Field {
  public:
   Field(const Volume& volume, Interpolation interpolation)
-      : v_(volume), nearest_(interpolation == Interpolation::Nearest) {}
+      : v_(volume),
+        nearest_(interpolation == Interpolation::Nearest),
+        cubic_(interpolation == Interpolation::Cubic) {}
 
   // `range`, when given, takes in the modality values of the corners.
   std::optional<double> at(glm::dvec3 p_vox, LocalRange* range = nullptr) const;
@@ -77,8 +80,23 @@ class Field {
   };
   Corners cornersOf(std::int64_t slice, glm::dvec3 mid, glm::dvec3 a, glm::dvec3 b, LocalRange*) const;
 
+  bool isGap(std::int64_t slice) const;
+  // The modality value of a voxel; nullopt: no data.
+  std::optional<double> voxel(std::int64_t i, std::int64_t j, std::int64_t k) const;
+
+  // The cubic field at a point of slice span `k`, and along a piece from a to b; nullopt where one of its
+  // voxels has no data, so that the linear field holds there.
+  std::optional<double> cubicAt(const Span& k, glm::dvec3 p, LocalRange*) const;
+  std::optional<Poly> cubicAlong(const Span& k, glm::dvec3 mid, glm::dvec3 a, glm::dvec3 b, LocalRange*) const;
+  template <class X>
+  std::optional<X> cubic(const Span& k, glm::dvec3 mid, glm::dvec3 a, glm::dvec3 b, LocalRange*) const;
+  template <class X>
+  std::optional<X> cubicAcross(std::int64_t slice, glm::dvec3 mid, glm::dvec3 a, glm::dvec3 b,
+                               LocalRange&) const;
+  std::pair<double, double> outerSlices(const Span& k) const;
+
   const Volume& v_;
-  bool nearest_ = false;
+  bool nearest_ = false, cubic_ = false;
 };
 
 }  // namespace vernier::quality

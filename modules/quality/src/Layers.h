@@ -3,6 +3,7 @@
 #pragma once
 #include <variant>
 
+#include "CurvedReference.h"
 #include "ImageReference.h"
 #include "SliceReference.h"
 
@@ -11,14 +12,21 @@ namespace vernier::quality {
 class Layers {
  public:
   static Result<Layers> make(const Scene&, const View&, const Sources&, const ReferenceOptions&);
-  // `slice`, when given, takes what the layer that shows there says of its value, when it is a slice.
-  ReferencePixel at(glm::dvec2 pixel, std::optional<SliceValue>* slice = nullptr) const;
+  // `value`, when given, takes what the layer that shows there says of its value, when it reads a volume.
+  ReferencePixel at(glm::dvec2 pixel, std::optional<SliceValue>* value = nullptr) const;
   bool covers(glm::dvec2 pixel) const;
 
   struct Prepared {
-    std::variant<SliceReference, ImageReference, PixelTruth> layer;
+    std::variant<SliceReference, CurvedReference, ImageReference, PixelTruth> layer;
     int samples = 0;
+    const VolumeReading* reading() const;  // nullptr: a stored frame, or a plugin's layer
+    // A plugin's layer has no value and covers nothing.
+    std::optional<SliceValue> value(glm::dvec2 pixel) const;
+    bool covers(glm::dvec2 pixel) const;
+    double grey(double modality) const;
   };
+  static Result<Prepared> prepare(const Scene&, const Layer&, const View&, const Sources&,
+                                  const ReferenceOptions&);
   const std::vector<Prepared>& prepared() const { return layers_; }
 
  private:

@@ -55,14 +55,14 @@ Poly operator*(const Poly& p, const Poly& q) {
 Poly operator+(const Poly& p, const Poly& q) {
   Poly r;
   r.degree = std::max(p.degree, q.degree);
-  for (std::size_t n = 0; n < r.c.size(); ++n) r.c[n] = p.c[n] + q.c[n];
+  for (int n = 0; n <= r.degree; ++n) r.c[at(n)] = p.c[at(n)] + q.c[at(n)];
   return r;
 }
 
 Poly operator-(const Poly& p, const Poly& q) {
   Poly r;
   r.degree = std::max(p.degree, q.degree);
-  for (std::size_t n = 0; n < r.c.size(); ++n) r.c[n] = p.c[n] - q.c[n];
+  for (int n = 0; n <= r.degree; ++n) r.c[at(n)] = p.c[at(n)] - q.c[at(n)];
   return r;
 }
 

@@ -6,9 +6,9 @@
 
 namespace vernier::quality {
 
-// Coefficients of 1, u, u^2, ... u^5.
+// Coefficients of 1, u, u^2, ... u^9: cubic interpolation along a line has the ninth.
 struct Poly {
-  std::array<double, 6> c{};
+  std::array<double, 10> c{};
   int degree = 0;
   double operator()(double u) const {
     double v = c[static_cast<std::size_t>(degree)];

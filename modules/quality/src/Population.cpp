@@ -60,7 +60,7 @@ std::vector<glm::dvec2> slabOutline(const SliceReference& slice) {
     corner[n] = (g.patientFromVoxel * p).p;
     height[n] = glm::dot(corner[n] - onPlane, slice.normal());
   }
-  const double half = 0.5 * slice.thickness_mm() + 1e-9;
+  const double half = 0.5 * slice.reading().thickness_mm() + 1e-9;
   std::vector<glm::dvec2> out;
   for (std::size_t n = 0; n < 8; ++n) {
     if (std::abs(height[n]) <= half) out.push_back(slice.pixelOf(corner[n]));
@@ -101,6 +101,37 @@ void fill(const std::vector<glm::dvec2>& outline, const View& view, std::vector<
   }
 }
 
+// Columns are lines: the rows at which each passes through the volume's box, widened by half a slab. With
+// their neighbours, which is the dilation along x.
+void fillCurved(const CurvedReference& curved, const View& view, std::vector<char>& mask) {
+  const std::array<glm::dvec3, 2> box = boxOf(curved.volume().grid());
+  const VoxelFromPatient& toVoxel = curved.volume().voxelFromPatient();
+  const int dilate = static_cast<int>(kDilate_px);
+  for (int x = 0; x < view.width_px; ++x) {
+    const auto line = curved.columnAt(x);
+    if (!line) continue;
+    const glm::dvec3 origin = (toVoxel * PatientPoint(line->top)).p, step = (toVoxel * PatientVec(line->down)).v;
+    const glm::dvec3 slab = glm::abs((toVoxel * PatientVec(0.5 * curved.reading().thickness_mm() * line->normal)).v);
+    double from = line->firstRow, to = line->lastRow;  // rows, centres at half-integers
+    for (int a = 0; a < 3; ++a) {
+      const double low = box[0][a] - slab[a] - origin[a], high = box[1][a] + slab[a] - origin[a];
+      if (std::abs(step[a]) < 1e-12) {
+        if (low > 0 || high < 0) to = from - 1e9;
+        continue;
+      }
+      from = std::max(from, std::min(low / step[a], high / step[a]));
+      to = std::min(to, std::max(low / step[a], high / step[a]));
+    }
+    if (from > to) continue;
+    const int y0 = std::max(0, static_cast<int>(std::floor(from)) - dilate);
+    const int y1 = std::min(view.height_px - 1, static_cast<int>(std::floor(to)) + dilate);
+    for (int y = y0; y <= y1; ++y)
+      for (int n = std::max(0, x - dilate); n <= std::min(view.width_px - 1, x + dilate); ++n)
+        mask[static_cast<std::size_t>(n) +
+             static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width_px)] = 1;
+  }
+}
+
 }  // namespace
 
 std::vector<std::size_t> population(const Layers& layers, const View& view) {
@@ -111,6 +142,9 @@ std::vector<std::size_t> population(const Layers& layers, const View& view) {
   for (const Layers::Prepared& p : layers.prepared()) {
     if (const auto* slice = std::get_if<SliceReference>(&p.layer)) {
       fill(slabOutline(*slice), view, mask);
+      known = true;
+    } else if (const auto* curved = std::get_if<CurvedReference>(&p.layer)) {
+      fillCurved(*curved, view, mask);
       known = true;
     } else if (const auto* image = std::get_if<ImageReference>(&p.layer)) {
       const glm::dvec2 a = image->least(), b = image->greatest();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "vernier/quality/Reference.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "Layers.h"
@@ -27,67 +28,85 @@ Result<Layers> Layers::make(const Scene& scene, const View& view, const Sources&
   Layers all;
   all.background_ = glm::dvec3(scene.background.r, scene.background.g, scene.background.b);
   for (std::size_t n = 0; n < scene.layers.size(); ++n) {
-    const Layer& layer = scene.layers[n];
     if (const auto truth = options.truths.find(n); truth != options.truths.end()) {
       all.layers_.push_back({truth->second, 0});
-    } else if (const auto* slice = std::get_if<SliceLayer>(&layer)) {
-      auto r = SliceReference::make(scene, *slice, view, sources);
-      if (!r) return r.error();
-      const int samples = r->samplesFor(options);
-      all.layers_.push_back({std::move(*r), samples});
-    } else if (const auto* image = std::get_if<ImageLayer>(&layer)) {
-      auto r = ImageReference::make(scene, *image, view, sources);
-      if (!r) return r.error();
-      all.layers_.push_back({std::move(*r), 0});
-    } else {
-      return makeError(ErrorCode::NotBuiltYet, "The reference cannot draw layers of kind '" + kindOf(layer) +
-                                                   "' yet, so no error is measured.");
+      continue;
     }
+    Result<Prepared> prepared = prepare(scene, scene.layers[n], view, sources, options);
+    if (!prepared) return prepared.error();
+    all.layers_.push_back(std::move(*prepared));
   }
   return all;
 }
 
-bool Layers::covers(glm::dvec2 pixel) const {
-  for (const Prepared& p : layers_) {
-    if (const auto* slice = std::get_if<SliceReference>(&p.layer)) {
-      if (slice->covers(pixel, p.samples)) return true;
-    } else if (const auto* image = std::get_if<ImageReference>(&p.layer)) {
-      if (image->value(pixel)) return true;
-    }
-  }
-  return false;
+Result<Layers::Prepared> Layers::prepare(const Scene& scene, const Layer& layer, const View& view,
+                                         const Sources& sources, const ReferenceOptions& options) {
+  const auto taken = [&](auto made) -> Result<Prepared> {
+    if (!made) return made.error();
+    Prepared p{std::move(*made), 0};
+    if (const VolumeReading* reading = p.reading()) p.samples = reading->samplesFor(options);
+    return p;
+  };
+  if (const auto* slice = std::get_if<SliceLayer>(&layer))
+    return taken(SliceReference::make(scene, *slice, view, sources));
+  if (const auto* curved = std::get_if<CurvedLayer>(&layer))
+    return taken(CurvedReference::make(scene, *curved, view, sources));
+  if (const auto* image = std::get_if<ImageLayer>(&layer))
+    return taken(ImageReference::make(scene, *image, view, sources));
+  return makeError(ErrorCode::NotBuiltYet, "The reference cannot draw layers of kind '" + kindOf(layer) +
+                                               "' yet, so no error is measured.");
 }
 
-// Later layers lie over earlier ones: slices and images opaque where they have data, a plugin's as it says.
-ReferencePixel Layers::at(glm::dvec2 pixel, std::optional<SliceValue>* sliceOut) const {
+const VolumeReading* Layers::Prepared::reading() const {
+  if (const auto* slice = std::get_if<SliceReference>(&layer)) return &slice->reading();
+  if (const auto* curved = std::get_if<CurvedReference>(&layer)) return &curved->reading();
+  return nullptr;
+}
+
+std::optional<SliceValue> Layers::Prepared::value(glm::dvec2 pixel) const {
+  if (const auto* slice = std::get_if<SliceReference>(&layer)) return slice->value(pixel, samples);
+  if (const auto* curved = std::get_if<CurvedReference>(&layer)) return curved->value(pixel, samples);
+  const auto* image = std::get_if<ImageReference>(&layer);
+  const auto v = image ? image->value(pixel) : std::nullopt;
+  return v ? std::optional(SliceValue{*v, *v, *v}) : std::nullopt;
+}
+
+bool Layers::Prepared::covers(glm::dvec2 pixel) const {
+  if (const auto* slice = std::get_if<SliceReference>(&layer)) return slice->covers(pixel, samples);
+  if (const auto* curved = std::get_if<CurvedReference>(&layer)) return curved->covers(pixel, samples);
+  return value(pixel).has_value();
+}
+
+double Layers::Prepared::grey(double modality) const {
+  const VolumeReading* r = reading();
+  return r ? r->grey(modality) : std::get<ImageReference>(layer).grey(modality);
+}
+
+bool Layers::covers(glm::dvec2 pixel) const {
+  return std::any_of(layers_.begin(), layers_.end(), [&](const Prepared& p) { return p.covers(pixel); });
+}
+
+// Later layers lie over earlier ones: those of volumes and frames opaque where they have data, a plugin's as it
+// says.
+ReferencePixel Layers::at(glm::dvec2 pixel, std::optional<SliceValue>* valueOut) const {
   std::size_t above = 0;
-  ReferencePixel out = ground(pixel, sliceOut, above);
+  ReferencePixel out = ground(pixel, valueOut, above);
   for (; above < layers_.size(); ++above)
     if (const auto* truth = std::get_if<PixelTruth>(&layers_[above].layer))
       out.rgba = (*truth)(pixel, out.rgba);
   return out;
 }
 
-ReferencePixel Layers::ground(glm::dvec2 pixel, std::optional<SliceValue>* sliceOut,
-                              std::size_t& above) const {
+ReferencePixel Layers::ground(glm::dvec2 pixel, std::optional<SliceValue>* valueOut, std::size_t& above) const {
   ReferencePixel out;
   out.rgba = glm::dvec4(background_, 1);
   for (auto p = layers_.rbegin(); p != layers_.rend(); ++p) {
-    const auto* slice = std::get_if<SliceReference>(&p->layer);
-    const auto* image = std::get_if<ImageReference>(&p->layer);
-    if (!slice && !image) continue;
-    std::optional<double> v;
-    if (slice) {
-      const auto s = slice->value(pixel, p->samples);
-      if (s) v = s->value;
-      if (s && sliceOut) *sliceOut = s;
-    } else {
-      v = image->value(pixel);
-    }
+    const std::optional<SliceValue> v = p->value(pixel);
     if (!v) continue;
-    const double grey = slice ? slice->grey(*v) : image->grey(*v);
+    if (valueOut && p->reading()) *valueOut = v;
+    const double grey = p->grey(v->value);
     out.rgba = glm::dvec4(grey, grey, grey, 1);
-    out.value = *v;
+    out.value = v->value;
     out.covered = true;
     above = static_cast<std::size_t>(layers_.rend() - p);
     break;
@@ -122,16 +141,14 @@ Result<std::vector<std::optional<SliceValue>>> sliceValues(const Scene& scene, s
                                                            std::span<const glm::dvec2> points_px,
                                                            const ReferenceOptions& options) {
   if (auto r = checkView(view); !r) return r.error();
-  const auto* slice = layer < scene.layers.size() ? std::get_if<SliceLayer>(&scene.layers[layer]) : nullptr;
-  if (!slice)
-    return makeError(ErrorCode::SceneInvalid,
-                     "Layer " + std::to_string(layer) + " of the scene is no slice.");
-  const auto reference = SliceReference::make(scene, *slice, view, sources);
-  if (!reference) return reference.error();
-  const int samples = reference->samplesFor(options);
+  if (layer >= scene.layers.size() || std::holds_alternative<ImageLayer>(scene.layers[layer]))
+    return makeError(ErrorCode::SceneInvalid, "Layer " + std::to_string(layer) +
+                                                  " of the scene is no slice or curved reformat.");
+  const auto prepared = Layers::prepare(scene, scene.layers[layer], view, sources, options);
+  if (!prepared) return prepared.error();
   std::vector<std::optional<SliceValue>> out(points_px.size());
   parallelFor(points_px.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t n = begin; n < end; ++n) out[n] = reference->value(points_px[n], samples);
+    for (std::size_t n = begin; n < end; ++n) out[n] = prepared->value(points_px[n]);
   });
   return out;
 }

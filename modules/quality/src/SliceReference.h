@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One slice layer in double: from pixels to the patient, from the patient to a modality value, from there to
-// grey.
+// One slice layer in double: from pixels to the patient, and what VolumeReading says there.
 #pragma once
-#include <memory>
-#include <string>
+#include <utility>
 
-#include "Field.h"
-#include "vernier/quality/Reference.h"
+#include "VolumeReading.h"
 
 namespace vernier::quality {
 
@@ -16,27 +13,24 @@ class SliceReference {
 
   glm::dvec3 patientAt(glm::dvec2 pixel) const { return corner_ + pixel.x * right_ + pixel.y * down_; }
   glm::dvec2 pixelOf(glm::dvec3 patient) const;
-  const Volume& volume() const { return *volume_; }
-  double thickness_mm() const { return layer_.slab.thickness_mm; }
+  const VolumeReading& reading() const { return reading_; }
+  const Volume& volume() const { return reading_.volume(); }
   glm::dvec3 normal() const { return normal_; }
 
-  // The truth, or with samples > 0 the midpoint samples of a slab. nullopt: no data.
-  std::optional<SliceValue> value(glm::dvec2 pixel, int samples) const;
-  bool covers(glm::dvec2 pixel, int samples) const;
-  int samplesFor(const ReferenceOptions&) const;  // 0: the continuous truth
-  double grey(double modality) const;
+  std::optional<SliceValue> value(glm::dvec2 pixel, int samples) const {
+    return reading_.value(patientAt(pixel), normal_, samples);
+  }
+  bool covers(glm::dvec2 pixel, int samples) const {
+    return reading_.covers(patientAt(pixel), normal_, samples);
+  }
 
  private:
-  SliceReference() = default;
+  SliceReference(VolumeReading reading, const Plane& plane) : reading_(std::move(reading)), plane_(plane) {}
   Result<void> place(const Camera&, const View&);
   glm::dvec2 reach_mm(glm::dvec3 right, glm::dvec3 up) const;
-  std::optional<double> sampled(glm::dvec3 first_vox, glm::dvec3 step_vox, int samples, LocalRange*) const;
-  std::optional<double> continuous(glm::dvec3 first_vox, glm::dvec3 step_vox, LocalRange*) const;
 
-  std::shared_ptr<const Volume> volume_;
-  SliceLayer layer_;
-  VoiWindow window_;
-  bool invert_ = false;
+  VolumeReading reading_;
+  Plane plane_;
   glm::dvec3 corner_{0}, right_{0}, down_{0}, normal_{0};  // patient mm; right and down per pixel
 };
 

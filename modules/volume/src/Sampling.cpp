@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vernier/volume/Cubic.h"
+
 namespace vernier {
 namespace {
 
@@ -73,6 +75,54 @@ void addSlice(WeightedSum& sum, const Volume& volume, glm::dvec2 at, std::int64_
   sum.add(volume, x->second, y->second, k, w * x->t * y->t);
 }
 
+// Cubic: the samples first .. first + 3; those without weight may lie outside.
+struct Four {
+  std::int64_t first = 0;
+  std::array<double, 4> weight{};
+};
+
+Four fourAlong(const Between& at, std::int64_t n) {
+  if (at.first == at.second) return {at.first - 1, {0, 1, 0, 0}};
+  return {at.first - 1, cubicWeights(at.t, at.first > 0 ? 1 : 0, at.second + 1 < n ? 1 : 0)};
+}
+
+Four fourSlices(const GridGeometry& g, const Between& z) {
+  if (g.even() || z.first == z.second) return fourAlong(z, g.slices);
+  const auto height = [&](std::int64_t s) { return g.sliceOrigin_vox[static_cast<std::size_t>(s)].z; };
+  const auto distance = [&](std::int64_t lower) {  // to the next slice, in the cell's height; 0: none that counts
+    if (lower < 0 || lower + 1 >= g.slices || std::binary_search(g.gapAfter.begin(), g.gapAfter.end(), lower))
+      return 0.0;
+    const double d = (height(lower + 1) - height(lower)) / (height(z.second) - height(z.first));
+    return d < kNearestNeighbour || d > kFurthestNeighbour ? 0.0 : d;
+  };
+  return {z.first - 1, cubicWeights(z.t, distance(z.first - 1), distance(z.second))};
+}
+
+// nullopt where cubic is not defined.
+std::optional<double> cubicModality(const Volume& volume, const glm::dvec3& p, const Between& z) {
+  const GridGeometry& g = volume.grid();
+  const Four slices = fourSlices(g, z);
+  double sum = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (slices.weight[k] == 0) continue;
+    const std::int64_t slice = slices.first + static_cast<std::int64_t>(k);
+    const glm::dvec2 at = glm::dvec2(p) - originOf(g, slice);
+    const auto x = alongAxis(at.x, g.columns), y = alongAxis(at.y, g.rows);
+    if (!x || !y) return std::nullopt;
+    const Four columns = fourAlong(*x, g.columns), rows = fourAlong(*y, g.rows);
+    for (std::size_t j = 0; j < 4; ++j)
+      for (std::size_t i = 0; i < 4; ++i) {
+        const double w = slices.weight[k] * rows.weight[j] * columns.weight[i];
+        if (w == 0) continue;
+        const VoxelValue v = volume.probe(columns.first + static_cast<std::int64_t>(i),
+                                          rows.first + static_cast<std::int64_t>(j), slice);
+        if (v.noData) return std::nullopt;
+        sum += w * v.modality;
+      }
+  }
+  return sum;
+}
+
 }  // namespace
 
 std::optional<double> sampleModality(const Volume& volume, PatientPoint point, Interpolation interpolation) {
@@ -84,6 +134,8 @@ std::optional<double> sampleModality(const Volume& volume, PatientPoint point, I
   const glm::dvec3 p = (volume.voxelFromPatient() * point).p;
   const auto z = betweenSlices(volume.grid(), p.z);
   if (!z) return std::nullopt;
+  if (interpolation == Interpolation::Cubic)
+    if (const std::optional<double> value = cubicModality(volume, p, *z)) return value;
   WeightedSum sum;
   addSlice(sum, volume, glm::dvec2(p), z->first, 1 - z->t);
   addSlice(sum, volume, glm::dvec2(p), z->second, z->t);

@@ -59,6 +59,38 @@ struct Truth {
   }
 };
 
+// Cubic on an even grid, one axis after the other: Keys' kernel over samples that are continued beyond the
+// border by his condition f(-1) = 3 f(0) - 3 f(1) + f(2). NaN where a voxel that counts has no data.
+inline double keysAlong(const Volume& v, const glm::dvec3& p, int axis, glm::dvec3 at, Truth& used) {
+  const GridGeometry& g = v.grid();
+  if (axis < 0) {
+    const auto i = static_cast<std::int64_t>(at.x), j = static_cast<std::int64_t>(at.y),
+               k = static_cast<std::int64_t>(at.z);
+    if (v.isNoData(v.stored(i, j, k))) return kNan;
+    const double m = v.modality(i, j, k);
+    used.widen({m, m, m, true});
+    return m;
+  }
+  const double n = static_cast<double>(axis == 0 ? g.columns : axis == 1 ? g.rows : g.slices);
+  const auto sample = [&](double index) {
+    at[axis] = index;
+    return keysAlong(v, p, axis - 1, at, used);
+  };
+  const auto beyond = [&](double a, double b, double c) {  // the samples nearest to the border first
+    if (n < 2) return sample(a);
+    return n < 3 ? 2 * sample(a) - sample(b) : 3 * sample(a) - 3 * sample(b) + sample(c);
+  };
+  const double cell = std::floor(p[axis]), t = p[axis] - cell;
+  if (t == 0) return sample(cell);
+  double sum = 0;
+  for (int tap = -1; tap <= 2; ++tap) {
+    const double x = std::abs(t - tap), index = cell + tap;
+    const double w = x < 1 ? (1.5 * x - 2.5) * x * x + 1 : ((-0.5 * x + 2.5) * x - 4) * x + 2;
+    sum += w * (index < 0 ? beyond(0, 1, 2) : index >= n ? beyond(n - 1, n - 2, n - 3) : sample(index));
+  }
+  return sum;
+}
+
 // Even grids: the eight corners written out. Other grids: sampleModality, and the voxels of the nearest two
 // slices.
 inline Truth sampleTruth(const Volume& v, PatientPoint point, Interpolation interpolation) {
@@ -72,12 +104,13 @@ inline Truth sampleTruth(const Volume& v, PatientPoint point, Interpolation inte
     t.inVolume = probe.has_value() || value.has_value();
     if (!value) return t;
     t.value = *value;
-    for (std::int64_t k = std::max<std::int64_t>(0, probe ? probe->k - 1 : 0);
-         k <= std::min(g.slices - 1, probe ? probe->k + 1 : g.slices - 1); ++k)
-      for (std::int64_t j = std::max<std::int64_t>(0, probe ? probe->j - 1 : 0);
-           j <= std::min(g.rows - 1, probe ? probe->j + 1 : g.rows - 1); ++j)
-        for (std::int64_t i = std::max<std::int64_t>(0, probe ? probe->i - 1 : 0);
-             i <= std::min(g.columns - 1, probe ? probe->i + 1 : g.columns - 1); ++i) {
+    const std::int64_t reach = interpolation == Interpolation::Cubic ? 2 : 1;
+    for (std::int64_t k = std::max<std::int64_t>(0, probe ? probe->k - reach : 0);
+         k <= std::min(g.slices - 1, probe ? probe->k + reach : g.slices - 1); ++k)
+      for (std::int64_t j = std::max<std::int64_t>(0, probe ? probe->j - reach : 0);
+           j <= std::min(g.rows - 1, probe ? probe->j + reach : g.rows - 1); ++j)
+        for (std::int64_t i = std::max<std::int64_t>(0, probe ? probe->i - reach : 0);
+             i <= std::min(g.columns - 1, probe ? probe->i + reach : g.columns - 1); ++i) {
           if (v.isNoData(v.stored(i, j, k))) continue;
           const double m = v.modality(i, j, k);
           t.widen({m, m, m, true});
@@ -87,6 +120,12 @@ inline Truth sampleTruth(const Volume& v, PatientPoint point, Interpolation inte
   for (int a = 0; a < 3; ++a)
     if (!(p[a] >= -0.5 && p[a] <= n[a] - 0.5)) return t;
   t.inVolume = true;
+  if (interpolation == Interpolation::Cubic) {
+    Truth used;
+    used.value = keysAlong(v, glm::clamp(p, glm::dvec3(0), n - 1.0), 2, {}, used);
+    used.inVolume = true;
+    if (!std::isnan(used.value)) return used;
+  }
   const glm::dvec3 q =
       glm::clamp(interpolation == Interpolation::Nearest ? glm::floor(p + 0.5) : p, glm::dvec3(0), n - 1.0);
   const glm::dvec3 low = glm::min(glm::floor(q), glm::max(n - 2.0, glm::dvec3(0)));

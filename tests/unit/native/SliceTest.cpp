@@ -68,7 +68,7 @@ TYPED_TEST(SliceOfType, RandomPlanesAreWithinTheBoundOnEveryGrid) {
     if (!g.grid.even()) grids.push_back(g);
   for (const NamedGrid& g : grids) {
     const auto volume = randomVolume<TypeParam>(g.grid, ++seed);
-    for (const Interpolation i : {Interpolation::Linear, Interpolation::Nearest}) {
+    for (const Interpolation i : {Interpolation::Linear, Interpolation::Cubic, Interpolation::Nearest}) {
       native::SliceJob job = randomJob(*volume, ++seed, 67, 45);
       job.interpolation = i;
       expectWithinBound(job, g.name);
@@ -90,6 +90,8 @@ TYPED_TEST(SliceOfType, SlabsAreTheSamplesPutTogether) {
       job.slab = {6.0, mode};
       job.slabSamples = 11;
       expectWithinBound(job, g.name);
+      job.interpolation = Interpolation::Cubic;
+      expectWithinBound(job, g.name + " cubic");
       job.interpolation = Interpolation::Nearest;
       expectWithinBound(job, g.name + " nearest");
     }
@@ -114,6 +116,8 @@ TYPED_TEST(SliceOfType, PaddingIsLeftOutAndItsNeighboursRenormalised) {
     expectWithinBound(job, g.name);
     job.interpolation = Interpolation::Nearest;
     expectWithinBound(job, g.name + " nearest");
+    job.interpolation = Interpolation::Cubic;
+    expectWithinBound(job, g.name + " cubic");
     job.interpolation = Interpolation::Linear;
     job.slabSamples = 5;
     for (const SlabMode mode : {SlabMode::Max, SlabMode::Min, SlabMode::Mean}) {
@@ -145,6 +149,7 @@ TYPED_TEST(SliceOfType, AxisAlignedAtVoxelCentresIsBitEqual) {
         corner[b] = n[b] - 0.5;
         job.picture.origin = g.grid.patientFromVoxel * Point<VoxelFrame>(corner);
         job.window = {0, 100, VoiFunction::LinearExact, ""};
+        job.interpolation = slice % 2 ? Interpolation::Linear : Interpolation::Cubic;
         Images images = imagesFor(job);
         ASSERT_TRUE(native::drawSlice(job, images).ok());
         for (int y = 0; y < n[b]; ++y)
@@ -266,6 +271,7 @@ TEST(Slice, SameBitsForOneTwoAndThreeThreads) {
   const auto volume = randomVolume<std::int16_t>(everyGrid()[2].grid, 5);
   for (const int slabSamples : {1, 7}) {
     native::SliceJob job = randomJob(*volume, 13, 301, 203);
+    job.interpolation = slabSamples > 1 ? Interpolation::Cubic : Interpolation::Linear;
     job.slab.mode = SlabMode::Mean;
     job.slab.thickness_mm = slabSamples > 1 ? 5 : 0;
     job.slabSamples = slabSamples;
@@ -328,6 +334,16 @@ TEST(Slice, FastKernelTakesWhatItCan) {
   EXPECT_FALSE(fast(uneven, std::int16_t{}, 1));
   EXPECT_FALSE(fast(even, std::int16_t{}, 1e3));  // 16 pixels reach over more than 120 voxels
   EXPECT_FALSE(fast(even, std::int16_t{}, 1e9));
+  // Cubic reads four voxels along each axis.
+  for (const std::int64_t slices : {3, 4}) {
+    GridGeometry thin = even;
+    thin.slices = slices;
+    const auto volume = randomVolume<std::int16_t>(thin, 1);
+    native::SliceJob job = randomJob(*volume, 2, 64, 64);
+    EXPECT_TRUE(native::drawsFast(job));
+    job.interpolation = Interpolation::Cubic;
+    EXPECT_EQ(native::drawsFast(job), slices >= 4);
+  }
 }
 
 TEST(Slice, EveryInstructionSetKeepsTheBound) {
@@ -352,6 +368,9 @@ TEST(Slice, EveryInstructionSetKeepsTheBound) {
       job.slab = {9.0, SlabMode::Mean};
       job.slabSamples = 9;
       expectWithinBound(job, target + " slab");
+      job.slabSamples = 3;
+      job.interpolation = Interpolation::Cubic;
+      expectWithinBound(job, target + " cubic slab");
     }
     const native::SliceJob job = randomJob(*volume, 24, 130, 90);
     Images images = imagesFor(job);

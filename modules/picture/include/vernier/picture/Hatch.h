@@ -3,7 +3,7 @@
 // air. Drawn on 8-bit pixels, after the error was taken and before the letters. Pure; safe on any thread.
 #pragma once
 #include "vernier/picture/Picture.h"
-#include "vernier/plan/PictureGeometry.h"
+#include "vernier/plan/CurvedGeometry.h"
 
 namespace vernier {
 
@@ -11,5 +11,6 @@ namespace vernier {
 // the two slices on either side of a gap. Gives the number of pixels that lie in a gap; without gaps nothing
 // is looked at.
 VERNIER_API std::size_t hatchGaps(Picture&, const Images&, const SlicePicture&, const GridGeometry&);
+VERNIER_API std::size_t hatchGaps(Picture&, const Images&, const CurvedPicture&, const GridGeometry&);
 
 }  // namespace vernier

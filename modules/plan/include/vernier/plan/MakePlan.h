@@ -12,7 +12,7 @@
 // Every other candidate stands in Plan::rejected with its reason. A layer whose kind nobody draws is kept and
 // named in Plan::notes. Errors: SceneInvalid (no layers, a picture without pixels), NoTechnique (nothing that
 // was asked for can draw a layer, with the reasons), NotBuiltYet (two layers that cannot be combined yet),
-// PlaneDegenerate.
+// PlaneDegenerate, PathDegenerate.
 #pragma once
 #include "vernier/plan/Technique.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// View names that expand to a Scene: stack axial coronal sagittal oblique slab. Conventions (DICOM LPS):
+// View names that expand to a Scene: stack axial coronal sagittal oblique slab curved. Conventions (DICOM LPS):
 // axial is seen from the feet (patient right on screen left, anterior up), coronal from the front, sagittal
 // from the patient's left (anterior on screen left), H up. They mean the patient's planes, whatever the
 // acquisition's were, and show the whole box of the volume (the fit of PictureGeometry.h). oblique has the
@@ -27,6 +27,7 @@ struct PresetOptions {
       slice;  // stack: frame index; axial, coronal, sagittal: voxel slice; absent: the middle
   std::optional<Plane> plane;  // replaces the preset's plane; cannot be given together with slice
   std::optional<Slab> slab;    // `slab` alone: 10 mm, max
+  std::optional<CurvedLayer> curved;  // of the view curved: its path, form, up and width count
   std::optional<VoiWindow> window;
   Interpolation interpolation = Interpolation::Linear;
   Camera camera;  // zoom, pan; height_mm when it is to differ from the preset's

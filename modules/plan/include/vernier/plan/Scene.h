@@ -54,7 +54,7 @@ struct ImageLayer {
   std::int64_t index = 0;
   std::optional<VoiWindow> window;                      // absent: the file's first, else automatic
   std::optional<int> voiLut;                            // index of the file's VOI LUT; wins over window
-  Interpolation interpolation = Interpolation::Linear;  // of the display zoom
+  Interpolation interpolation = Interpolation::Linear;  // of the display zoom: nearest or linear
   bool invert = false;
   bool flipHorizontal = false, flipVertical = false;  // said as FLIPPED on the picture
   friend bool operator==(const ImageLayer&, const ImageLayer&) = default;
@@ -70,6 +70,24 @@ struct SliceLayer {
   friend bool operator==(const SliceLayer&, const SliceLayer&) = default;
 };
 
+// A curved planar reformat: the sheet that a path sweeps through a volume, laid flat (CurvedGeometry.h): x runs
+// along the path, y across it.
+enum class CurvedForm { Straightened, Stretched };
+struct CurvedLayer {
+  std::string source;
+  std::vector<PatientPoint> path;  // at least two; the sheet's curve goes through all of them, in order
+  CurvedForm form = CurvedForm::Straightened;
+  // Up in the picture: at the path's beginning (straightened), everywhere (stretched). Absent: of head,
+  // anterior and left the one that is most across the path.
+  std::optional<PatientVec> up;
+  double width_mm = 50;  // of the sheet, half of it to each side of the path
+  Slab slab;             // across the sheet
+  Interpolation interpolation = Interpolation::Linear;
+  std::optional<VoiWindow> window;
+  bool invert = false;
+  friend bool operator==(const CurvedLayer&, const CurvedLayer&) = default;
+};
+
 // A layer of a kind that this build does not know itself, or of a plugin: kept verbatim.
 struct CustomLayer {
   std::string kind;
@@ -78,8 +96,8 @@ struct CustomLayer {
   friend bool operator==(const CustomLayer&, const CustomLayer&) = default;
 };
 
-using Layer = std::variant<ImageLayer, SliceLayer, CustomLayer>;
-VERNIER_API std::string kindOf(const Layer&);  // "image", "slice", or the custom kind
+using Layer = std::variant<ImageLayer, SliceLayer, CurvedLayer, CustomLayer>;
+VERNIER_API std::string kindOf(const Layer&);  // "image", "slice", "curved", or the custom kind
 
 struct Rgb {
   double r = 0, g = 0, b = 0;

@@ -13,7 +13,9 @@
 
 namespace vernier {
 
-enum class Interpolation { Nearest, Linear };
+// Cubic: Cubic.h. It takes 64 voxels; where one of those that count (weight not 0) is no-data, or one of the
+// slices does not reach there, that sample is interpolated linearly.
+enum class Interpolation { Nearest, Linear, Cubic };
 
 // Modality value at a patient point, interpolated as GridGeometry.h says (true slice positions, gaps, border
 // held for half a voxel, no-data renormalised over valid corners). nullopt: no data there.
