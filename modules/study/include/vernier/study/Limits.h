@@ -28,6 +28,11 @@ inline constexpr std::uint64_t kMaxImageRatio = 4096;
 inline constexpr std::uint64_t kAlwaysDecodedBytes = std::uint64_t{64} << 20;
 // Progressive JPEG goes over the whole image for each scan: a small file with very many scans is refused.
 inline constexpr std::uint64_t kMaxJpegScans = 100;
+// Surfaces: a whole file is read at once; 20 million triangles are 1 GB as binary STL.
+inline constexpr std::uint64_t kMaxSurfaceFileBytes = std::uint64_t{4} << 30;
+inline constexpr std::uint64_t kMaxTriangles = 20'000'000;
+inline constexpr std::uint64_t kMaxConcaveCorners = 512;  // of one polygon that is not convex
+inline constexpr int kMaxNodeDepth = 64;                  // Inventor and VRML
 
 // All of the above, as `vernier doctor` prints them.
 struct Limit {
@@ -53,5 +58,9 @@ inline constexpr Limit kAll[] = {
     {"image_ratio", kMaxImageRatio, ""},
     {"always_decoded", kAlwaysDecodedBytes, "bytes"},
     {"jpeg_scans", kMaxJpegScans, ""},
+    {"surface_file", kMaxSurfaceFileBytes, "bytes"},
+    {"triangles", kMaxTriangles, ""},
+    {"concave_corners", kMaxConcaveCorners, ""},
+    {"node_depth", static_cast<std::uint64_t>(kMaxNodeDepth), ""},
 };
 }  // namespace vernier::limits
