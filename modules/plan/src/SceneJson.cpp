@@ -62,7 +62,6 @@ std::string write(const SliceLayer& l) {
              "\"", l.window ? cat(", \"window\": ", write(*l.window)) : "", ", \"invert\": ", flag(l.invert),
              "}");
 }
-<<<<<<< HEAD
 std::string write(const CurvedLayer& l) {
   std::string path;
   for (const PatientPoint& p : l.path) path += cat(path.empty() ? "" : ", ", vec(p.p));
@@ -72,7 +71,7 @@ std::string write(const CurvedLayer& l) {
              ", \"mode\": \"", nameOf(l.slab.mode), "\"}, \"interpolation\": \"", nameOf(l.interpolation),
              "\"", l.window ? cat(", \"window\": ", write(*l.window)) : "", ", \"invert\": ", flag(l.invert),
              "}");
-=======
+}
 std::string write(const SurfaceLayer& l) {
   const glm::dmat4 m = l.pose.matrix();
   std::string pose;
@@ -81,7 +80,6 @@ std::string write(const SurfaceLayer& l) {
   return cat("{\"kind\": \"surface\", \"source\": ", text(l.source), ", \"pose\": [", pose,
              "], \"colour\": ", vec({l.colour.r, l.colour.g, l.colour.b}),
              ", \"opacity\": ", number(l.opacity), "}");
->>>>>>> 6c3f96c (The 3-D camera, surface layers, and a triangle rasteriser in double)
 }
 std::string write(const CustomLayer& l) { return l.json; }
 
@@ -147,13 +145,10 @@ Result<Scene> parseScene(std::string_view json) {
         scene.layers.emplace_back(readImage(layers[i], path));
       else if (kind == "slice")
         scene.layers.emplace_back(readSlice(layers[i], path));
-<<<<<<< HEAD
       else if (kind == "curved")
         scene.layers.emplace_back(readCurved(layers[i], path));
-=======
       else if (kind == "surface")
         scene.layers.emplace_back(readSurfaceLayer(layers[i], path));
->>>>>>> 6c3f96c (The 3-D camera, surface layers, and a triangle rasteriser in double)
       else
         scene.layers.emplace_back(readCustom(layers[i], path, texts.at(i)));
     }
@@ -171,11 +166,7 @@ Result<CustomLayer> customLayer(std::string_view json) {
   return parsed<CustomLayer>([&] {
     const nlohmann::json value = parseJson(json);
     const std::string kind = kindAt(value, "");
-<<<<<<< HEAD
-    if (kind == "image" || kind == "slice" || kind == "curved")
-=======
-    if (kind == "image" || kind == "slice" || kind == "surface")
->>>>>>> 6c3f96c (The 3-D camera, surface layers, and a triangle rasteriser in double)
+    if (kind == "image" || kind == "slice" || kind == "curved" || kind == "surface")
       throw JsonFault{"The kind '" + kind + "' is known and cannot be a custom layer.", "/kind"};
     return Result<CustomLayer>(readCustom(value, "", withoutSpace(json)));
   });
