@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 
@@ -28,8 +29,12 @@ int run(const GlobalOptions& global, const Options& o) {
   InfoOptions info;
   info.pixels = o.pixels;
   const StudySet& study = session->study();
-  std::cout << (o.json ? infoJson(study, info) : infoText(study)) << std::flush;
+  info.surfaces = surfacesOf(study, &session->budget(), interruptToken());
+  std::cout << (o.json ? infoJson(study, info) : infoText(study, info.surfaces)) << std::flush;
+  const auto isRead = [](const SurfaceRecord& s) { return !s.error.has_value(); };
+  if (std::any_of(info.surfaces.begin(), info.surfaces.end(), isRead)) return std::cout.good() ? 0 : 1;
   if (study.instances.empty() && !session->isMetaImage()) {
+    if (study.files.size() == 1 && info.surfaces.size() == 1) return report(*info.surfaces[0].error);
     if (study.files.size() == 1 && study.files[0].error) return report(*study.files[0].error);
     return report(makeError(ErrorCode::NothingToLoad,
                             "No DICOM object was found among " + std::to_string(study.files.size()) +
@@ -42,11 +47,14 @@ int run(const GlobalOptions& global, const Options& o) {
 
 Command addInfo(CLI::App& app, GlobalOptions& global) {
   const auto o = std::make_shared<Options>();
-  CLI::App* sub = app.add_subcommand("info", "Patients, studies, series, geometry and findings of an input");
+  CLI::App* sub =
+      app.add_subcommand("info", "Patients, studies, series, geometry, surfaces and findings of an input");
   sub->add_option("INPUT", o->inputs, "Files or folders")->required();
   sub->add_flag("--json", o->json, "JSON on standard output");
   sub->add_flag("--pixels", o->pixels, "Decode all images too: SHA-256, extrema, probes (JSON only)");
-  sub->footer("Examples:\n  vernier info STUDY\n  vernier info STUDY --json --pixels > facts.json");
+  sub->footer(
+      "Examples:\n  vernier info STUDY\n  vernier info STUDY --json --pixels > facts.json\n  vernier info "
+      "screw.stl");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 

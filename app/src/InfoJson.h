@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "InfoSurfaces.h"
 #include "vernier/study/Load.h"
 
 namespace vernier {
@@ -17,9 +18,10 @@ struct InfoProbe {
 struct InfoOptions {
   bool pixels = false;  // decode every image: SHA-256 of stored values, extrema, sum
   std::vector<InfoProbe> probes;
+  std::vector<SurfaceRecord> surfaces;  // of the same set
 };
 
 std::string infoJson(const StudySet&, const InfoOptions& = {});
-std::string infoText(const StudySet&);
+std::string infoText(const StudySet&, const std::vector<SurfaceRecord>& surfaces = {});
 
 }  // namespace vernier

@@ -145,9 +145,24 @@ void addSeries(const StudySet& set, std::size_t index, std::string& out) {
   addFindings(s.findings, "      ", out);
 }
 
+void addSurface(const SurfaceRecord& s, std::string& out) {
+  if (s.error) {
+    out += "Failed " + safe(s.shown) + ": " + safe(s.error->sentence) + "\n";
+    return;
+  }
+  const glm::dvec3 size = s.facts.extent_mm.v;
+  out += "Surface " + safe(s.shown) + "  " + s.file.format + ", " +
+         count(s.file.triangles - s.file.dropped.zeroArea - s.file.dropped.notFinite, "triangle") + ", " +
+         number(size.x) + " x " + number(size.y) + " x " + number(size.z) + " mm, area " +
+         number(s.facts.area_mm2, 1) + " mm2, " +
+         (s.facts.closed ? "closed, volume " + number(s.facts.signedVolume_mm3, 1) + " mm3" : "not closed") +
+         "\n";
+  addFindings(s.file.findings, "  ", out);
+}
+
 }  // namespace
 
-std::string infoText(const StudySet& set) {
+std::string infoText(const StudySet& set, const std::vector<SurfaceRecord>& surfaces) {
   std::string out;
   std::set<std::size_t> shown;  // a damaged study may stand under several patients
   for (const Patient& p : set.patients) {
@@ -162,9 +177,11 @@ std::string infoText(const StudySet& set) {
       for (const std::size_t s : study.series) addSeries(set, s, out);
     }
   }
+  for (const SurfaceRecord& s : surfaces) addSurface(s, out);
   addFindings(set.findings, "", out);
   std::size_t directories = 0, noObject = 0, notDicom = 0;
   for (const FileRecord& f : set.files) {
+    if (surfaceNamed(surfaces, f.shown)) continue;
     directories += f.kind == FileKind::DicomDir;
     noObject += f.kind == FileKind::NoSopClass || f.kind == FileKind::Unreadable;
     notDicom += f.kind == FileKind::NotDicom;
@@ -175,6 +192,7 @@ std::string infoText(const StudySet& set) {
   out += count(set.files.size(), "file") + ": " + count(set.patients.size(), "patient") + ", " +
          std::to_string(set.studies.size()) + (set.studies.size() == 1 ? " study, " : " studies, ") +
          count(set.series.size(), "series") + ", " + count(set.instances.size(), "object");
+  if (!surfaces.empty()) out += "; " + count(surfaces.size(), "surface");
   if (directories > 0) out += "; " + count(directories, "DICOMDIR");
   if (noObject > 0) out += "; " + count(noObject, "file") + " without a readable object";
   if (notDicom > 0) out += "; " + count(notDicom, "file") + " not DICOM";

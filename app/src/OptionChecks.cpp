@@ -71,6 +71,8 @@ Result<void> keepSources(const Session* session, const std::vector<std::string>&
   bool hit = std::any_of(inputs.begin(), inputs.end(), same);
   if (session)
     for (const FileRecord& f : session->study().files) hit = hit || same(f.path);
+  if (session)
+    for (const std::string& file : session->surfaceFiles()) hit = hit || same(file);
   if (hit)
     return makeError(ErrorCode::WouldOverwriteSource,
                      "The output would overwrite a file of the input; name another.", option);

@@ -65,6 +65,8 @@ struct Session::Impl {
   bool bridge = false;
   std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const Volume>> volumes;
   std::map<std::tuple<std::size_t, std::size_t, std::int64_t>, std::shared_ptr<const ImageFrame>> images;
+  std::map<std::string, std::shared_ptr<const SurfaceFile>> surfaces;
+  std::map<std::string, std::string> surfacePaths;
   std::optional<Capabilities> capabilities;
   bool lookedForGl = false;
   std::uint64_t derivedBytes = 0;
