@@ -43,7 +43,7 @@ struct SurfaceJob {
 
 // Colour over the background, and the depth of the first opaque hit. Any number of translucent hits is
 // resolved.
-Result<void> drawSurfaces(const SurfaceJob&, Images&, std::stop_token);
+VERNIER_API Result<void> drawSurfaces(const SurfaceJob&, Images&, std::stop_token);
 
 // The same hits for whoever draws something between them: where each ray ends, and what it passes before.
 struct SurfaceHits {
@@ -63,6 +63,6 @@ struct SurfaceHits {
   double largestResidual = 0;  // weight (0..1) in the picture of what was joined
   Counters counters;
 };
-Result<SurfaceHits> findSurfaces(const SurfaceJob&, std::stop_token);
+VERNIER_API Result<SurfaceHits> findSurfaces(const SurfaceJob&, std::stop_token);
 
 }  // namespace vernier::native
