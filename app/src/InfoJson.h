@@ -8,6 +8,7 @@
 
 #include "InfoSurfaces.h"
 #include "vernier/study/Load.h"
+#include "vernier/volume/VolumeFile.h"
 
 namespace vernier {
 
@@ -21,7 +22,8 @@ struct InfoOptions {
   std::vector<SurfaceRecord> surfaces;  // of the same set
 };
 
-std::string infoJson(const StudySet&, const InfoOptions& = {});
-std::string infoText(const StudySet&, const std::vector<SurfaceRecord>& surfaces = {});
+std::string infoJson(const StudySet&, const InfoOptions& = {}, const std::vector<VolumeFile>& = {});
+std::string infoText(const StudySet&, const std::vector<VolumeFile>& = {},
+                     const std::vector<SurfaceRecord>& = {});
 
 }  // namespace vernier

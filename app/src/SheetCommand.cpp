@@ -44,15 +44,32 @@ Result<double> frame_ms(Session& session, const RenderRequest& r, double step, s
   return median(ms);
 }
 
-Result<SheetEntry> entryFor(Session& session, const Options& o, const Settings& settings,
-                            const std::string& view, const ProgressFn& progress, std::stop_token stop) {
+// "oblique:cubic" is the view oblique with cubic interpolation.
+Result<ViewOptions> optionsFor(const Options& o, const std::string& name) {
   ViewOptions one = o.view;
-  one.view = view;
+  const std::size_t colon = name.find(':');
+  const std::string view = one.view = name.substr(0, colon);
+  if (colon != std::string::npos) {
+    one.interpolation = name.substr(colon + 1);
+    if (one.interpolation != "nearest" && one.interpolation != "linear" && one.interpolation != "cubic")
+      return makeError(ErrorCode::OptionInvalid,
+                       "'" + name + "' is no view; after the colon stands nearest, linear or cubic.", "--views");
+  }
   const bool free =
       view == "oblique" || view == "slab";  // each option goes to the views that have a use for it
-  if (free) one.slice.reset();
+  if (free || view == "curved") one.slice.reset();
   if (!free) one.plane.clear();
   if (view != "slab") one.slab_mm.reset(), one.slabMode.clear();
+  if (view != "curved") one.path.clear(), one.form.clear(), one.pathUp.clear(), one.width_mm.reset();
+  if (view == "stack" && one.interpolation == "cubic") one.interpolation.clear();
+  return one;
+}
+
+Result<SheetEntry> entryFor(Session& session, const Options& o, const Settings& settings,
+                            const std::string& view, const ProgressFn& progress, std::stop_token stop) {
+  const Result<ViewOptions> options = optionsFor(o, view);
+  if (!options) return options.error();
+  const ViewOptions& one = *options;
   const Result<RenderRequest> request = makeRequest(session, one, settings, progress, stop);
   if (!request) return request.error();
   const Result<Rendered> rendered =
@@ -120,9 +137,12 @@ Command addSheet(CLI::App& app, GlobalOptions& global) {
   addViewOptions(*sub, o->view);
   sub->add_option("--out", o->out, "Contact sheet, PNG")->required();
   sub->add_option("--title", o->title, "Title of the sheet");
-  sub->add_option("--views", o->views, "Views, in order")->delimiter(',');
+  sub->add_option("--views", o->views, "Views, in order; oblique:cubic for another interpolation")->delimiter(',');
   sub->add_option("--columns", o->columns, "Pictures in a row")->check(CLI::Range(1, 20));
-  sub->footer("Example:\n  vernier sheet STUDY --out sheet.png --preset brain");
+  sub->footer(
+      "Examples:\n"
+      "  vernier sheet STUDY --out sheet.png --preset brain\n"
+      "  vernier sheet STUDY --out sheet.png --views axial,oblique,oblique:cubic,curved --path \"0,0,-40;9,2,0;0,5,40\"");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 

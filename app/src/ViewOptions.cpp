@@ -207,7 +207,8 @@ Result<std::vector<PatientPoint>> parsePathOption(const std::string& text) {
 
 void addViewOptions(CLI::App& sub, ViewOptions& o) {
   sub.add_option("INPUT", o.inputs,
-                 "Files or folders of DICOM, or one MetaImage file, or surface files alone")
+                 "Files, folders or ZIP archives: DICOM, NIfTI, NRRD, MetaImage, VTI, raw, lists of images; or surface "
+                 "files alone")
       ->required();
   auto* view = sub.add_option("--view", o.view, "stack axial coronal sagittal oblique slab curved");
   sub.add_option("--scene", o.sceneFile, "Scene as JSON (docs/scene.md)")->excludes(view);
@@ -215,7 +216,10 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
                  "A surface file (docs/surfaces.md), mm: an outline on slices, alone in 3-D, or as the scene "
                  "has it (repeatable)");
   sub.add_option("--series", o.series,
-                 "Series Instance UID or number in `vernier info`, #2 for its second stack");
+                 "Series Instance UID, volume file or number in `vernier info`, #2 for a second stack");
+  sub.add_option("--frame", o.frame, "Of a 4-D volume file: which volume, counted from 0");
+  sub.add_option("--z-span", o.zSpan, "Of a list of images: length that all slices span, as of the pixel size (mm)")
+      ->check(finiteAboveZero());
   sub.add_option("--size", o.size, "Picture, WxH pixels")->capture_default_str();
   sub.add_option("--camera", o.camera,
                  "azimuth=30,elevation=20,projection=orthographic,fov=30,zoom=1,roll=0,distance=400,near=0");
@@ -229,7 +233,7 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
       ->check(CLI::IsMember({"nearest", "linear", "cubic"}));
   sub.add_option("--path", o.path, "View curved: x,y,z;x,y,z;... in patient mm, or a .json file of such points");
   sub.add_option("--width", o.width_mm, "View curved: width of the sheet in mm (absent: 50)")
-      ->check(CLI::PositiveNumber);
+      ->check(finiteAboveZero());
   sub.add_option("--form", o.form, "View curved: straightened stretched (absent: straightened)")
       ->check(CLI::IsMember({"straightened", "stretched"}));
   sub.add_option("--path-up", o.pathUp, "View curved: up at the path's beginning (stretched: everywhere), x,y,z");
@@ -365,7 +369,7 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
     p.window = *w;
     return {};
   };
-  if (o.view == "stack" && !session.isMetaImage()) {
+  if (o.view == "stack") {
     if (const Result<void> r = nothingForStacks(o); !r) return r.error();
     const Result<std::int64_t> count = session.imageCount("");
     if (!count) return count.error();
@@ -393,12 +397,13 @@ Result<void> knownTechnique(Session& session, const std::string& name) {
 }
 
 Result<void> chooseSeries(Session& session, const ViewOptions& o) {
-  if (session.isMetaImage())
-    return o.series.empty() ? Result<void>()
-                            : invalid("--series", "A MetaImage file is one volume and has no series.");
   const Result<StackChoice> choice = session.choose(o.series);
   if (!choice) return choice.error();
   session.use(*choice);
+  if (o.frame && !choice->volumeFile)
+    return invalid("--frame", "It chooses a volume of a 4-D volume file; a DICOM series is chosen with --series.");
+  if (o.zSpan && !choice->volumeFile) return invalid("--z-span", "It is said of lists of images.");
+  session.readVolumeFilesWith(o.frame, o.zSpan);
   return {};
 }
 

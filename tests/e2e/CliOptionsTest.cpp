@@ -61,7 +61,8 @@ TEST_F(Cli, EmptyWrappedAndNotANumberAreNoValues) {
        {"--view",      "--series",    "--size",          "--camera",  "--plane",         "--slice",
         "--slab",      "--slab-mode", "--interpolation", "--window",  "--preset",        "--engine",
         "--technique", "--quality",   "--max-error",     "--min-fps", "--error-samples", "--seed",
-        "--scale",     "--out",       "--report",        "--scene",   "--trace",         "--threads"}) {
+        "--scale",     "--out",       "--report",        "--scene",   "--trace",         "--threads",
+        "--path",      "--width",     "--form",          "--path-up"}) {
     SCOPED_TRACE(option);
     const bool view = std::string(option) == "--view" || std::string(option) == "--scene";
     std::vector<std::string> args{"render", path("x"), option, ""};
@@ -69,7 +70,7 @@ TEST_F(Cli, EmptyWrappedAndNotANumberAreNoValues) {
     expectSentence(vernier(args), 2);
   }
   for (const char* option :
-       {"--slab", "--max-error", "--min-fps", "--scale", "--error-samples", "--seed", "--slice"})
+       {"--slab", "--max-error", "--min-fps", "--scale", "--error-samples", "--seed", "--slice", "--width"})
     for (const char* value : {"nan", "inf", "-inf", "1e400", "-1", "1,5", "99999999999999999999999"}) {
       SCOPED_TRACE(std::string(option) + " " + value);
       const ProgramRun r = vernier({"render", path("x"), "--view", "axial", option, value});
@@ -108,6 +109,22 @@ TEST_F(Cli, OptionsThatNeedAStudyAreCheckedToo) {
       {"--view", "axial", "--camera", "zoom=1,zoom=2"},
       {"--view", "axial", "--plane", "x"},
       {"--view", "axial", "--series", "1#9"},
+      {"--view", "oblique", "--plane", "from=0,0,0,to=0,0,0,up=0,0,1"},
+      {"--view", "oblique", "--plane", "from=0,0,0,to=3,0,0,up=1,0,0"},
+      {"--view", "stack", "--interpolation", "cubic"},
+      {"--view", "curved"},
+      {"--view", "axial", "--path", "0,0,0;5,0,0"},
+      {"--view", "curved", "--path", "0,0;5,0,0"},
+      {"--view", "curved", "--path", "0,0,0;5,0,x"},
+      {"--view", "curved", "--path", "0,0,0"},
+      {"--view", "curved", "--path", "0,0,0;0,0,0"},
+      {"--view", "curved", "--path", "0,0,0;5,0,0;0,0,0"},
+      {"--view", "curved", "--path", "0,0,0;5,0,0", "--path-up", "1,0,0"},
+      {"--view", "curved", "--path", "0,0,0;5,0,0", "--path-up", "up"},
+      {"--view", "curved", "--path", "0,0,0;5,0,0", "--slice", "3"},
+      {"--view", "curved", "--path", "0,0,0;5,0,0", "--plane", "point=0,0,0,normal=0,0,1,up=0,1,0"},
+      {"--view", "curved", "--path", "0,0,0;5,0,0", "--form", "bent"},
+      {"--view", "curved", "--path", "0,0,0;5,0,0", "--technique", "mpr.native"},
   };
   for (const auto& extra : wrong) {
     std::vector<std::string> args{"render", study, "--out", path("o.png")};

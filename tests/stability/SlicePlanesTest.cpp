@@ -21,7 +21,7 @@ void voxelCentresAreTheStoredValues(double low, double high) {
   const auto v = noise<T>(g, low, high);
   const auto expectPicture = [&](const Plane& plane, int width, int height, auto voxelAt) {
     const StabilityCase c = sliceCase(v, plane, width, height, height * mm);
-    forEachTechnique(c, [&](const Rendered& r, const std::string& technique) {
+    forEachTechniqueAndCubic(c, [&](const Rendered& r, const std::string& technique) {
       for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
           const glm::ivec3 q = voxelAt(x, y);
@@ -77,7 +77,7 @@ TEST(Stability, C02_HalfVoxelShiftOfALinearRampIsExact) {
   const double range = 124 * 31;
   // Pixels at i + 0.5, j + 0.5 and the plane at k + 0.5.
   StabilityCase c = sliceCase(v, through(kAxial, PatientPoint(15, 15, 12.5)), 30, 30, 30);
-  forEachTechnique(c, [&](const Rendered& r, const std::string&) {
+  forEachTechniqueAndCubic(c, [&](const Rendered& r, const std::string&) {
     for (int y = 0; y < 30; ++y)
       for (int x = 0; x < 30; ++x) {
         const double truth = 4 * (x + 0.5) + 20 * (y + 0.5) + 100 * 12.5;
@@ -97,7 +97,7 @@ TEST(Stability, C03_PlanesOnTheFirstAndLastFaceAreIncluded) {
          std::vector<std::pair<double, int>>{{-6.0, 0}, {6.0, 4}, {-7.5, 0}, {7.5, 4}}) {
       SCOPED_TRACE("z " + std::to_string(z) + " e " + std::to_string(e * 1e15));
       const StabilityCase c = sliceCase(v, through(kAxial, PatientPoint(3.5, 3.5, z + e)), 8, 8, 8);
-      forEachTechnique(c, [&, k = slice](const Rendered& r, const std::string&) {
+      forEachTechniqueAndCubic(c, [&, k = slice](const Rendered& r, const std::string&) {
         for (int y = 0; y < 8; ++y)
           for (int x = 0; x < 8; ++x)
             ASSERT_NEAR(valueOf(r, x, y), v->modality(x, y, k), allowed(r, 2000, 2000)) << x << "," << y;
@@ -112,7 +112,7 @@ TEST(Stability, C03_BeyondHalfAVoxelIsBackground) {
   for (double z : {-7.5 - 3e-3, 7.5 + 3e-3, 40.0}) {
     StabilityCase c = sliceCase(v, through(kAxial, PatientPoint(3.5, 3.5, z)), 8, 8, 8);
     c.scene.background = Rgb{0.25, 0.5, 0.75};
-    forEachTechnique(c, [&](const Rendered& r, const std::string&) {
+    forEachTechniqueAndCubic(c, [&](const Rendered& r, const std::string&) {
       for (std::size_t n = 0; n < 64; ++n) {
         ASSERT_TRUE(std::isnan(r.frame.images.values[n])) << z;
         ASSERT_EQ(r.frame.images.colour[4 * n + 0], 0.25f);
@@ -131,7 +131,7 @@ TEST(Stability, C03_ASingleSliceIsNotLost) {
   c.scene = *scene;
   c.view = View{8, 8, true};
   c.sources.volumes["v"] = v;
-  forEachTechnique(c, [&](const Rendered& r, const std::string&) {
+  forEachTechniqueAndCubic(c, [&](const Rendered& r, const std::string&) {
     for (int y = 0; y < 8; ++y)
       for (int x = 0; x < 8; ++x) ASSERT_NEAR(valueOf(r, x, y), v->modality(x, y, 0), allowed(r, 2000, 2000));
   });

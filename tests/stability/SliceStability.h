@@ -57,6 +57,15 @@ void forEachTechnique(const StabilityCase& c, Check&& check) {
   }
 }
 
+// The same again with cubic interpolation, for cases whose truth it shares: fields that it reproduces.
+template <class Check>
+void forEachTechniqueAndCubic(StabilityCase c, Check&& check) {
+  forEachTechnique(c, check);
+  SCOPED_TRACE("cubic");
+  c.layer().interpolation = Interpolation::Cubic;
+  forEachTechnique(c, check);
+}
+
 // What a technique may differ from double by, in modality units, where the voxels used span `local`.
 inline double allowed(const Rendered& r, double local, double whole) {
   return (r.fixedFunction ? 3.0 / 512 : 1e-4) * local + 1e-6 * whole;

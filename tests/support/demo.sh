@@ -22,7 +22,11 @@ else
   say "No study was named; the synthetic one alone is shown. Give a folder: ./dev demo PATH"
 fi
 "$vernier" info "$out/ct-head"
-"$vernier" sheet "$out/ct-head" --out "$out/contact-sheet-synthetic.png" --title "synthetic head" --preset brain
+# The path follows the jaw from one side to the other, through the roots of the teeth.
+arch="-38,-20,-88;-29,-45,-88;-18,-70,-88;0,-80,-88;18,-70,-88;29,-45,-88;38,-20,-88"
+"$vernier" sheet "$out/ct-head" --out "$out/contact-sheet-synthetic.png" --title "synthetic head" --preset brain \
+  --columns 4 --views stack,axial,coronal,sagittal,oblique,oblique:cubic,slab,curved --path "$arch" --form stretched \
+  --width 70
 [ -n "$study" ] || cp "$out/contact-sheet-synthetic.png" "$out/contact-sheet.png"
 
 say "Broken series load too; what is wrong is said:"

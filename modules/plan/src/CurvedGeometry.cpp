@@ -35,7 +35,8 @@ glm::dvec3 ownUp(const CurvedLayer& layer) {
   glm::dvec3 size(0);
   if (layer.form == CurvedForm::Straightened) {
     for (std::size_t n = 1; n < layer.path.size() && size == glm::dvec3(0); ++n)
-      size = glm::abs(unit(layer.path[n].p - layer.path[0].p));
+      if (glm::length(layer.path[n].p - layer.path[0].p) >= kCoincident_mm)
+        size = glm::abs(unit(layer.path[n].p - layer.path[0].p));
   } else {
     glm::dvec3 least = layer.path[0].p, greatest = least;
     for (const PatientPoint& p : layer.path) least = glm::min(least, p.p), greatest = glm::max(greatest, p.p);

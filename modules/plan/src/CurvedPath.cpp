@@ -6,7 +6,6 @@
 namespace vernier {
 namespace {
 
-constexpr double kCoincident_mm = 1e-6;
 constexpr double kTurn_rad = 0.04;  // of the tangent between two nodes
 constexpr int kDeepest = 14;
 constexpr double kSharpest_rad = 1.0;  // turns more than this at the deepest level: a cusp
@@ -23,6 +22,8 @@ glm::dvec3 carried(glm::dvec3 up, glm::dvec3 tangent, glm::dvec3 step, glm::dvec
     const double square = glm::dot(mirror, mirror);
     return square > 0 ? v - (2 * glm::dot(mirror, v) / square) * mirror : v;
   };
+  // A step of nothing has no direction to mirror in.
+  if (glm::length(step) < 1e-9) return glm::normalize(across(up, nextTangent));
   const glm::dvec3 half = reflected(up, step);
   const glm::dvec3 next = reflected(half, nextTangent - reflected(tangent, step));
   return glm::normalize(across(next, nextTangent));

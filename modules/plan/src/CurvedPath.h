@@ -9,6 +9,9 @@
 
 namespace vernier {
 
+// Consecutive points nearer than this count once.
+inline constexpr double kCoincident_mm = 1e-6;
+
 class CurvedPath {
  public:
   struct At {

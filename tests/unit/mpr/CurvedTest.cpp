@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "../volume/Grids.h"
+#include "Golden.h"
 #include "RenderForTest.h"
 #include "vernier/base/Threads.h"
 #include "vernier/native/Curved.h"
@@ -345,10 +346,11 @@ TEST(Curved, WhatAReaderMustKnowStandsInThePlan) {
   c.layer().up = PatientVec(0, 1, 0);
   TestHost& host = TestHost::instance();
   const auto plan =
-      makePlan(c.scene, c.view, {}, host.capabilities, CostTable{}, c.sources, host.registry);
+      makePlan(c.scene, c.view, {}, Capabilities{}, CostTable{}, c.sources, host.registry);
   ASSERT_TRUE(plan.ok());
   ASSERT_EQ(plan->notes.size(), 2u);
   EXPECT_TRUE(plan->notes[0].starts_with("overlaps itself: radius ")) << plan->notes[0];
+  expectGolden("curved", dumpPlan(*plan));
   EXPECT_EQ(plan->notes[1], "1 coincident point left out");
   // A path that cannot be drawn is a fault of the scene, whatever the technique.
   c.layer().path.resize(1);

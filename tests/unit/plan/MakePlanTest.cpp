@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The planner with fake techniques: what it takes, what it leaves, and what it says about it. The dumps under
 // tests/plan are goldens; to accept a changed one, copy the text that the failing test wrote.
-#include "TestPaths.h"
+#include "Golden.h"
 #include "vernier/plan/MakePlan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 
 #include "vernier/plan/Presets.h"
@@ -18,6 +16,7 @@ namespace vernier {
 namespace {
 
 using ::testing::HasSubstr;
+using test::expectGolden;
 
 struct FakeParams final : PassParams {
   std::string dump() const override { return "fake"; }
@@ -109,19 +108,6 @@ Quality quality(QualityLevel level, EngineChoice engine = EngineChoice::Auto, co
   q.engine = engine;
   q.technique = name;
   return q;
-}
-
-// Compares with tests/plan/NAME.plan.txt; a missing golden is a failure that leaves the text in the build
-// folder.
-void expectGolden(const std::string& name, const std::string& text) {
-  const std::string file = name + ".plan.txt";
-  std::ifstream in(std::string(VERNIER_SOURCE_DIR) + "/tests/plan/" + file);
-  std::stringstream golden;
-  golden << in.rdbuf();
-  if (in && golden.str() == text) return;
-  std::ofstream(std::string(VERNIER_BUILD_DIR) + "/" + file) << text;
-  ADD_FAILURE() << (in ? "differs from" : "there is no") << " tests/plan/" << file << "; this run's text:\n"
-                << text;
 }
 
 TEST(MakePlan, OnePassForAnAxialSliceAndNativeWinsWithoutACard) {

@@ -177,7 +177,7 @@ TEST(Presets, OptionsArePassedOn) {
 TEST(Presets, NamesAndTheirPlugins) {
   GridGeometry g;
   g.columns = g.rows = g.slices = 4;
-  EXPECT_EQ(viewNames().size(), 18u);
+  EXPECT_EQ(viewNames().size(), 19u);
   for (const std::string& name : viewNames()) {
     EXPECT_NE(pluginOfView(name), "") << name;
     const auto scene = presetScene(name, "v", g, {});

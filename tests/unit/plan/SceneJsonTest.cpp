@@ -91,7 +91,18 @@ Scene randomScene(std::uint64_t& c) {
   surface.pose.translation = vec();
   surface.colour = {randomUnit(9, c++), randomUnit(9, c++), randomUnit(9, c++)};
   surface.opacity = randomUnit(9, c++);
-  s.layers = {image, slice, *customLayer(R"({"kind": "shells", "version": 2, "levels": [0.10, 1e5, -0]})"),
+  CurvedLayer curved;
+  curved.source = "c";
+  for (std::uint64_t n = 0; n < 2 + randomBits(9, c) % 5; ++n) curved.path.push_back(PatientPoint(vec()));
+  curved.form = bit() ? CurvedForm::Stretched : CurvedForm::Straightened;
+  if (bit()) curved.up = PatientVec(vec());
+  curved.width_mm = positive(c);
+  curved.slab = {positive(c), SlabMode::Max};
+  curved.interpolation = bit() ? Interpolation::Cubic : Interpolation::Nearest;
+  curved.window = window();
+  curved.invert = bit();
+  slice.interpolation = bit() ? Interpolation::Cubic : Interpolation::Linear;
+  s.layers = {image, slice, curved, *customLayer(R"({"kind": "shells", "version": 2, "levels": [0.10, 1e5, -0]})"),
               slice, surface};
   return s;
 }
@@ -222,6 +233,38 @@ TEST(SceneJson, WrongTypesAndValuesAreRefusedWithTheirPath) {
                               R"(, "slab": {"thickness_mm": -1}})")),
             "/layers/0/slab/thickness_mm");
   EXPECT_EQ(whereOf(withLayer(R"({"kind": "x", "version": "new"})")), "/layers/0/version");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "image", "source": "a", "interpolation": "cubic"})")),
+            "/layers/0/interpolation");  // stored frames are not resampled
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "slice", "source": "a", )" + kPlane +
+                              R"(, "interpolation": "cubic"})")),
+            "ok");
+}
+
+TEST(SceneJson, CurvedLayersAreReadAndRefusedWithTheirPath) {
+  const auto curved = [](const std::string& rest) {
+    return whereOf(withLayer(R"({"kind": "curved", "source": "a", )" + rest + "}"));
+  };
+  EXPECT_EQ(curved(R"("path": [[1, 2, 3], [4, 5, 6]])"), "ok");
+  EXPECT_EQ(curved(R"("width_mm": 5)"), "/layers/0");  // no path
+  EXPECT_EQ(curved(R"("path": {"x": 1})"), "/layers/0/path");
+  EXPECT_EQ(curved(R"("path": [[1, 2, 3], 4])"), "/layers/0/path/1");
+  EXPECT_EQ(curved(R"("path": [[1, 2, 3], [4, 5]])"), "/layers/0/path/1");
+  EXPECT_EQ(curved(R"("path": [[1, "2", 3], [4, 5, 6]])"), "/layers/0/path/0");
+  EXPECT_EQ(curved(R"("path": [[1, 2, null], [4, 5, 6]])"), "/layers/0/path/0");
+  EXPECT_EQ(curved(R"("path": [[1, 2, 3], [4, 5, 6]], "form": "bent")"), "/layers/0/form");
+  EXPECT_EQ(curved(R"("path": [[1, 2, 3], [4, 5, 6]], "up": [1, 2])"), "/layers/0/up");
+  EXPECT_EQ(curved(R"("path": [[1, 2, 3], [4, 5, 6]], "width_mm": 0)"), "/layers/0/width_mm");
+  EXPECT_EQ(curved(R"("path": [[1, 2, 3], [4, 5, 6]], "plane": {})"), "/layers/0/plane");
+  std::string many;
+  for (int n = 0; n < 65537; ++n) many += n > 0 ? ",[0,0,0]" : "[0,0,0]";
+  EXPECT_EQ(curved("\"path\": [" + many + "]"), "/layers/0/path");
+  EXPECT_FALSE(customLayer(R"({"kind": "curved"})").ok());
+
+  const auto points = parsePath("[[1, 2, 3], [4, 5.5, -6e1]]");
+  ASSERT_TRUE(points.ok());
+  EXPECT_EQ(*points, (std::vector<PatientPoint>{{1, 2, 3}, {4, 5.5, -60}}));
+  for (const char* bad : {"", "{}", "7", "[1, 2, 3]", "[[1, 2, 3], [4, 5, 1e999]]", "[[1,2,3]"})
+    EXPECT_FALSE(parsePath(bad).ok()) << bad;
 }
 
 TEST(SceneJson, NotANumberAndInfinityAreRefused) {
