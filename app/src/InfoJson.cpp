@@ -343,9 +343,35 @@ Json objectsJson(const StudySet& set, const InfoOptions& options) {
   return Json(std::move(objects));
 }
 
-Json totalsJson(const StudySet& set) {
+Json surfaceJson(const SurfaceRecord& s) {
+  if (s.error) return {{"file", s.shown}, {"error", toJson(*s.error)}};
+  Json j{{"file", s.shown}, {"format", s.file.format}, {"bytes", s.file.bytes}};
+  if (s.file.declaredTriangles) j["triangles_declared"] = *s.file.declaredTriangles;
+  if (s.file.bytesExpected) j["bytes_expected"] = *s.file.bytesExpected;
+  j["triangles"] = s.file.triangles;
+  j["zero_area_triangles"] = s.file.dropped.zeroArea;
+  j["not_finite_triangles"] = s.file.dropped.notFinite;
+  j["duplicate_triangles"] = s.facts.duplicateTriangles;
+  j["unit"] = "mm (assumed)";
+  j["lowest_mm"] = toJson(s.lowest.p);
+  j["highest_mm"] = toJson(s.highest.p);
+  j["extent_mm"] = toJson(s.facts.extent_mm.v);
+  j["extent_along_principal_axis_mm"] = s.facts.extentAlongPrincipalAxis_mm;
+  j["distinct_vertices"] = s.vertices;
+  j["distinct_edges"] = s.facts.distinctEdges;
+  j["edges_used_once"] = s.facts.edgesUsedOnce;
+  j["edges_used_over_twice"] = s.facts.edgesUsedOverTwice;
+  j["directed_edges_used_over_once"] = s.facts.directedEdgesUsedTwice;
+  j["closed"] = s.facts.closed;
+  j["area_mm2"] = s.facts.area_mm2;
+  j["signed_volume_mm3"] = s.facts.closed ? Json(s.facts.signedVolume_mm3) : Json(nullptr);
+  j["findings"] = toJson(s.file.findings);
+  return j;
+}
+
+Json totalsJson(const StudySet& set, const std::vector<SurfaceRecord>& surfaces) {
   std::map<std::string, std::size_t> kinds;
-  for (const FileRecord& f : set.files) ++kinds[nameOf(f.kind)];
+  for (const FileRecord& f : set.files) ++kinds[surfaceNamed(surfaces, f.shown) ? "surface" : nameOf(f.kind)];
   std::map<std::string, std::size_t> uids;
   std::size_t images = 0, frames = 0, repeating = 0;
   for (const Instance& i : set.instances) {
@@ -368,7 +394,7 @@ Json totalsJson(const StudySet& set) {
 }  // namespace
 
 std::string infoJson(const StudySet& set, const InfoOptions& options, const std::vector<VolumeFile>& volumes) {
-  Json j{{"schema", "vernier-info/1"}, {"totals", totalsJson(set)}};
+  Json j{{"schema", "vernier-info/1"}, {"totals", totalsJson(set, options.surfaces)}};
   j["patients"] = Json::array();
   for (const Patient& p : set.patients)
     j["patients"].push_back({{"id", p.id},
@@ -392,10 +418,13 @@ std::string infoJson(const StudySet& set, const InfoOptions& options, const std:
   j["findings"] = toJson(set.findings);
   j["objects"] = objectsJson(set, options);
   j["volume_files"] = volumeFilesJson(set, volumes, options);
+  j["surfaces"] = Json::array();
+  for (const SurfaceRecord& s : options.surfaces) j["surfaces"].push_back(surfaceJson(s));
   j["files"] = Json::array();
   for (const FileRecord& f : set.files) {
-    Json file{{"file", f.shown}, {"bytes", f.bytes}, {"kind", nameOf(f.kind)}};
-    if (f.error) file["error"] = toJson(*f.error);
+    const SurfaceRecord* surface = surfaceNamed(options.surfaces, f.shown);
+    Json file{{"file", f.shown}, {"bytes", f.bytes}, {"kind", surface ? "surface" : nameOf(f.kind)}};
+    if (const auto& error = surface ? surface->error : f.error) file["error"] = toJson(*error);
     j["files"].push_back(std::move(file));
   }
   // File names may hold any byte; what is not UTF-8 shows as the replacement character.

@@ -75,6 +75,14 @@ Result<Sources> Session::Impl::sourcesFor(Session& session, const Scene& scene, 
       const auto v = session.volume(*source, {}, stop);
       if (!v) return v.error();
       sources.volumes[*source] = *v;
+    } else if (const auto* surface = std::get_if<SurfaceLayer>(&layer)) {
+      const auto file = session.surface(surface->source);
+      if (!file)
+        return makeError(ErrorCode::SceneInvalid,
+                         "The scene shows the surface '" + surface->source +
+                             "', which was not given; name its file with --surface.",
+                         "/layers");
+      sources.meshes[surface->source] = file->mesh;
     }
   }
   return sources;

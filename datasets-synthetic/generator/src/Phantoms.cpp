@@ -13,6 +13,7 @@
 #include "Plan.h"
 #include "Recipes.h"
 #include "Sample.h"
+#include "Surface.h"
 #include "vernier/base/Guarded.h"
 #include "vernier/base/Threads.h"
 
@@ -196,6 +197,13 @@ Result<PhantomInfo> write(const std::string& name, const std::filesystem::path& 
   std::string variant;
   const Result<Json> recipe = applySettings(*plain, options.settings, variant);
   if (!recipe) return recipe.error();
+  if (recipe->contains("surface")) {
+    if (options.format == PhantomFormat::MetaImage)
+      return makeError(ErrorCode::OptionInvalid,
+                       "The phantom is a surface and is written as STL; leave the format out.", name);
+    if (Result<void> made = makeFolder(outDir); !made) return made.error();
+    return writeSurface(*recipe, outDir);
+  }
   const StudyPlan study = makeStudyPlan(*recipe, variant);
   const Channels channels = channelsOf(*recipe, study.seed);
 
@@ -253,7 +261,7 @@ const std::vector<PhantomRecipe>& phantomRecipes() {
     std::vector<PhantomRecipe> list;
     for (const auto& [name, text] : phantoms::embeddedRecipes()) {
       const std::optional<phantoms::Json> recipe = phantoms::findRecipe(name);
-      PhantomRecipe r{name, recipe->at("summary"), {}};
+      PhantomRecipe r{name, recipe->at("summary"), {}, recipe->contains("surface")};
       const phantoms::Json settings = recipe->value("settings", phantoms::Json::object());
       for (const auto& item : settings.items())
         r.settings.push_back({item.key(), item.value().at("default"), item.value().at("about")});

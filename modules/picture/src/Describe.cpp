@@ -219,6 +219,22 @@ Annotations describeImage(const ImageLayer& layer, const ImagePicture& picture, 
   return out;
 }
 
+Annotations describeSurfaces(const CameraPicture& camera, std::span<const SurfaceFile* const> files,
+                             bool withPatient) {
+  Annotations out;
+  if (withPatient) out.letters = edgeLetters(camera);
+  const bool perspective = camera.projection == Projection::Perspective;
+  out.mmPerPixel = camera.mmPerPixel();
+  out.scaleBar = !perspective;
+  std::uint64_t triangles = 0;
+  for (const SurfaceFile* f : files) triangles += f->mesh->triangles().size();
+  const std::string name = files.size() == 1 ? "surface" : std::to_string(files.size()) + " surfaces";
+  out.what.push_back(plain(name + (perspective ? ", perspective" : ""), name));
+  out.what.push_back(plain("mm assumed"));
+  out.status.push_back(plain(std::to_string(triangles) + " triangles"));
+  return out;
+}
+
 TextLine errorLine(double bound, int confidence_percent, std::optional<double> limit) {
   // Below a hundredth of a level the exact figure (it is in the report) says nothing more to a reader.
   const std::string number = bound > 0 && bound < 0.01 ? "< 0.01" : "<= " + plainNumber(roundedUp(bound), 2);

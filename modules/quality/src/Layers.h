@@ -6,6 +6,7 @@
 #include "CurvedReference.h"
 #include "ImageReference.h"
 #include "SliceReference.h"
+#include "SurfaceReference.h"
 
 namespace vernier::quality {
 
@@ -17,7 +18,8 @@ class Layers {
   bool covers(glm::dvec2 pixel) const;
 
   struct Prepared {
-    std::variant<SliceReference, CurvedReference, ImageReference, PixelTruth> layer;
+    std::variant<SliceReference, CurvedReference, ImageReference, SurfaceReference, PixelTruth>
+        layer;  // all surfaces are one
     int samples = 0;
     const VolumeReading* reading() const;  // nullptr: a stored frame, or a plugin's layer
     // A plugin's layer has no value and covers nothing.

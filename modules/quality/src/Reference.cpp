@@ -23,6 +23,16 @@ Result<void> checkView(const View& view) {
 
 }  // namespace
 
+namespace {
+
+// Beside a slice or a frame, surfaces are outlines, which are drawn after the error is taken.
+bool onlySurfaces(const Scene& scene) {
+  return std::all_of(scene.layers.begin(), scene.layers.end(),
+                     [](const Layer& l) { return std::holds_alternative<SurfaceLayer>(l); });
+}
+
+}  // namespace
+
 Result<Layers> Layers::make(const Scene& scene, const View& view, const Sources& sources,
                             const ReferenceOptions& options) {
   if (auto r = checkView(view); !r) return r.error();
@@ -32,6 +42,13 @@ Result<Layers> Layers::make(const Scene& scene, const View& view, const Sources&
   for (std::size_t n = 0; n < scene.layers.size(); ++n) {
     if (const auto truth = options.truths.find(n); truth != options.truths.end()) {
       all.layers_.push_back({truth->second, 0});
+      continue;
+    }
+    if (std::holds_alternative<SurfaceLayer>(scene.layers[n])) {
+      if (!all.layers_.empty() || !onlySurfaces(scene)) continue;
+      auto r = SurfaceReference::make(scene, view, sources);
+      if (!r) return r.error();
+      all.layers_.push_back({std::move(*r), 0});
       continue;
     }
     Result<Prepared> prepared = prepare(scene, scene.layers[n], view, sources, options);
@@ -76,6 +93,7 @@ std::optional<SliceValue> Layers::Prepared::value(glm::dvec2 pixel) const {
 bool Layers::Prepared::covers(glm::dvec2 pixel) const {
   if (const auto* slice = std::get_if<SliceReference>(&layer)) return slice->covers(pixel, samples);
   if (const auto* curved = std::get_if<CurvedReference>(&layer)) return curved->covers(pixel, samples);
+  if (const auto* surfaces = std::get_if<SurfaceReference>(&layer)) return surfaces->covers(pixel);
   const auto* image = std::get_if<ImageReference>(&layer);
   return image && image->covers(pixel);
 }
@@ -114,6 +132,13 @@ ReferencePixel Layers::ground(glm::dvec2 pixel, std::optional<SliceValue>* value
   ReferencePixel out;
   out.rgba = glm::dvec4(background_, 1);
   for (auto p = layers_.rbegin(); p != layers_.rend(); ++p) {
+    if (const auto* surfaces = std::get_if<SurfaceReference>(&p->layer)) {
+      const SurfaceReference::Seen seen = surfaces->seen(pixel, background_);
+      out.rgba = glm::dvec4(seen.colour, 1);
+      out.covered = seen.covered;
+      above = static_cast<std::size_t>(layers_.rend() - p);
+      break;
+    }
     std::optional<SliceValue> v;
     const auto rgb = p->shown(pixel, background_, &v);
     if (!rgb) continue;
