@@ -66,7 +66,8 @@ Result<void> Session::open(const std::vector<std::string>& paths, const Progress
   impl_->metaImage = nullptr;
   impl_->chosen.reset();
   impl_->volumes.clear();
-  impl_->images.clear();
+  impl_->stackWindows.clear();
+  ++impl_->opened;
   if (paths.size() == 1 && looksLikeMetaImage(paths[0])) {
     BuildOptions options;
     options.budget = &impl_->budget;
@@ -96,8 +97,22 @@ std::uint64_t Session::derivedBytes() const { return impl_->derivedBytes; }
 std::shared_ptr<const Volume> Session::builtVolume() const {
   if (impl_->metaImage) return impl_->metaImage;
   if (!impl_->chosen) return nullptr;
-  const auto it = impl_->volumes.find({impl_->chosen->series, impl_->chosen->stack});
-  return it == impl_->volumes.end() ? nullptr : it->second;
+  return impl_->ready(*impl_->chosen);
+}
+
+std::shared_ptr<const Volume> Session::Impl::ready(StackChoice c) const {
+  const std::lock_guard lock(sourcesMutex);
+  const auto it = volumes.find(c);
+  return it == volumes.end() ? nullptr : it->second.volume;
+}
+
+std::string Session::sourceName(StackChoice c) const {
+  const auto& series = impl_->study.series;
+  VERNIER_ASSERT(c.series < series.size());
+  const std::string& uid = series[c.series].seriesUid;
+  const auto same = std::count_if(series.begin(), series.end(), [&](const Series& s) { return s.seriesUid == uid; });
+  const bool uidNames = !uid.empty() && same == 1 && uid.find('#') == std::string::npos && !positiveNumber(uid);
+  return (uidNames ? uid : std::to_string(c.series + 1)) + "#" + std::to_string(c.stack + 1);
 }
 
 Result<StackChoice> Session::choose(const std::string& wanted) const {
@@ -158,16 +173,30 @@ Result<std::shared_ptr<const Volume>> Session::volume(const std::string& source,
   if (impl_->metaImage) return impl_->metaImage;
   const Result<StackChoice> c = resolve(*this, impl_->chosen, source);
   if (!c) return c.error();
-  auto& slot = impl_->volumes[{c->series, c->stack}];
-  if (slot) return slot;
+  std::unique_lock lock(impl_->sourcesMutex);
+  Impl::VolumeSlot& slot = impl_->volumes[*c];
+  impl_->built.wait(lock, stop, [&] { return !slot.building; });
+  if (slot.volume) return slot.volume;
+  if (slot.building) return makeError(ErrorCode::Cancelled, "Loading was cancelled.");
+  slot.building = true;
+  lock.unlock();
   const TraceSpan span("build volume");
   BuildOptions options;
   options.budget = &impl_->budget;
   options.bridgeGaps = impl_->bridge;
   Result<std::shared_ptr<const Volume>> built =
       buildVolume(impl_->study, *seriesOf(*c), *stackOf(*c), options, progress, stop);
-  if (built) slot = *built;
+  lock.lock();
+  slot.building = false;
+  if (built) slot.volume = *built;
+  impl_->built.notify_all();
   return built;
+}
+
+std::shared_ptr<const Volume> Session::readyVolume(const std::string& source) const {
+  if (impl_->metaImage) return impl_->metaImage;
+  const Result<StackChoice> c = resolve(*this, impl_->chosen, source);
+  return c ? impl_->ready(*c) : nullptr;
 }
 
 VoiWindow Session::Impl::windowOf(const Volume& volume) {
@@ -201,12 +230,33 @@ Result<std::shared_ptr<const ImageFrame>> Session::image(const std::string& sour
                      "The stack has slices 0 to " + std::to_string(stack.slices.size() - 1) + ", got " +
                          std::to_string(index) + ".",
                      "--slice");
-  auto& slot = impl_->images[{c->series, c->stack, index}];
-  if (slot) return slot;
-  Result<std::shared_ptr<const ImageFrame>> built =
-      buildImageFrame(impl_->study, *seriesOf(*c), stack, static_cast<std::size_t>(index));
-  if (built) slot = *built;
-  return built;
+  const DerivedCache::Key key{"frame", impl_->opened,
+                              std::to_string(c->series) + "#" + std::to_string(c->stack) + "#" + std::to_string(index)};
+  return impl_->frames.get<ImageFrame>(key, [&]() -> Result<DerivedCache::Made<ImageFrame>> {
+    const auto built = impl_->buildFrame(*c, *seriesOf(*c), stack, index);
+    if (!built) return built.error();
+    const ImageFrameInfo& info = (*built)->info();
+    const auto pixels = static_cast<std::uint64_t>(info.columns) * static_cast<std::uint64_t>(info.rows);
+    return DerivedCache::Made<ImageFrame>{*built, pixels * bytesOf(info.type)};
+  });
+}
+
+Result<std::shared_ptr<const ImageFrame>> Session::Impl::buildFrame(StackChoice c, const Series& series,
+                                                                    const Stack& stack, std::int64_t index) {
+  std::optional<VoiWindow> known;
+  {
+    const std::lock_guard lock(sourcesMutex);
+    if (const auto it = stackWindows.find(c); it != stackWindows.end()) known = it->second;
+  }
+  Result<std::shared_ptr<const ImageFrame>> frame =
+      buildImageFrame(study, series, stack, static_cast<std::size_t>(index), known);
+  if (!frame || known) return frame;
+  const ImageFrameInfo& info = (*frame)->info();
+  if (info.windows.empty() && info.voiLuts.empty() && !windowPerImage(stack, info.modality)) {
+    const std::lock_guard lock(sourcesMutex);
+    stackWindows.emplace(c, info.autoWindow);
+  }
+  return frame;
 }
 
 }  // namespace vernier::app

@@ -39,6 +39,9 @@ VERNIER_API Result<std::shared_ptr<const ImageFrame>> buildImageFrame(
     const StudySet&, const Series&, const Stack&, std::size_t slice,
     std::optional<VoiWindow> autoWindow = {});
 
+// Whether each image of the stack has a window of its own.
+VERNIER_API bool windowPerImage(const Stack&, const std::string& modality);
+
 // MetaImage (.mhd + raw, .mha), 1 channel, 2 or 3 dimensions, all element types of 8, 16 and 32 bits and
 // MET_FLOAT, raw or compressed, either byte order. Offset and TransformMatrix are LPS mm by ITK's convention:
 // numbers 3a..3a+2 of TransformMatrix are the direction of axis a. Nothing says what the values mean: the
