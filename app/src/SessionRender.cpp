@@ -264,7 +264,10 @@ Result<Rendered> Session::render(const Scene& scene, const View& view, const Qua
     return frame;
   };
   const Scene shown = impl_->withoutAbsentLayers(drawn);
-  const auto truths = impl_->truthsOf(shown, view, asked, *sources);
+  const auto truths = [&] {
+    const std::lock_guard lock(impl_->drawing);
+    return impl_->truthsOf(shown, view, asked, *sources);
+  }();
   if (!options.measure || !truths) {
     Result<Frame> frame = draw(asked.step);
     if (!frame) return frame.error();

@@ -58,7 +58,31 @@ void Desk::openSource(const SourceId& id, int tile) {
   if (f && f->grid && !volumeReady(id)) retryVolume(id);  // so that MPR is there when it is asked for
 }
 
-Result<void> Desk::openMpr() { return workspace_.openMpr(); }
+std::vector<SourceId> Desk::timePoints(const SourceId& id) const {
+  const Document* d = document(id.document);
+  const auto choice = d && !d->session->isMetaImage() ? d->session->choose(id.name) : Result<app::StackChoice>(makeError(ErrorCode::SeriesNotFound, ""));
+  if (!choice) return {};
+  const Series& series = *d->session->seriesOf(*choice);
+  const std::size_t count = series.stacks[choice->stack].slices.size();
+  std::vector<SourceId> all;
+  for (std::size_t k = 0; k < series.stacks.size(); ++k)
+    if (series.stacks[k].slices.size() == count)
+      all.push_back({id.document, d->session->sourceName({choice->series, k})});
+  return all;
+}
+
+bool Desk::hasTime(const SourceId& id) const { return timePoints(id).size() > 1; }
+
+void Desk::stepTime(int tile, int notches) {
+  const SourceId now = workspace_.tile(tile).source;
+  const std::vector<SourceId> all = timePoints(now);
+  const auto at = std::find(all.begin(), all.end(), now);
+  if (at == all.end()) return;
+  const auto last = static_cast<std::ptrdiff_t>(all.size()) - 1;
+  const SourceId& next = all[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(at - all.begin() + notches, 0, last))];
+  ensureKnown(next);
+  workspace_.replaceSource(tile, next);
+}
 
 void Desk::retryVolume(const SourceId& id) {
   Document* d = document(id.document);

@@ -37,7 +37,10 @@ class Desk {
   void open(std::vector<std::string> paths);
   void close(int document);
   void openSource(const SourceId&, int tile);
-  Result<void> openMpr();
+  Result<void> openMpr() { return workspace_.openMpr(); }
+  // The next or previous stack of the same series with as many images: time points, echoes.
+  void stepTime(int tile, int notches);
+  bool hasTime(const SourceId&) const;
   void cancelLoading() { load_.cancel(); }
 
   // Sizes of the tiles in framebuffer pixels; `scale` of letters, 1..3.
@@ -50,6 +53,7 @@ class Desk {
 
   const std::vector<std::unique_ptr<Document>>& documents() const { return documents_; }
   Document* document(int number);
+  const Document* document(int number) const { return const_cast<Desk*>(this)->document(number); }
   const TileView& tileView(int t) const { return tiles_[static_cast<std::size_t>(t)]; }
   std::optional<LoadProgress> progress() const { return load_.progress(); }
   // Why a source's volume could not be built; nullptr while it loads or when it is there.
@@ -74,6 +78,7 @@ class Desk {
   void opened(Opened);
   void postTile(int t, bool onScreen);
   void ensureKnown(const SourceId&);
+  std::vector<SourceId> timePoints(const SourceId&) const;
 
   std::function<void()> wake_;
   Workspace workspace_;

@@ -11,6 +11,19 @@ namespace vernier::ui {
 namespace {
 
 constexpr std::size_t kMostSteps = 500;
+// The image whose plane lies nearest to the point; nullopt where images have no place.
+std::optional<std::int64_t> nearestImage(const SourceFacts& f, PatientPoint p) {
+  std::optional<std::int64_t> best;
+  double closest = 0;
+  for (const ImageFrameInfo& frame : f.frames) {
+    if (!frame.plane) continue;
+    const PatientVec n = cross(frame.plane->rowDirection, frame.plane->columnDirection);
+    const double d = std::abs(dot(p - frame.plane->origin, n));
+    if (!best || d < closest) closest = d, best = frame.index;
+  }
+  return best;
+}
+
 constexpr const char* kMprViews[] = {"axial", "coronal", "sagittal", "oblique"};
 
 }  // namespace
@@ -101,8 +114,8 @@ void Workspace::open(const SourceId& source, int t) {
   if (const SliceLayer* slice = sliceOf(at(t).scene)) a.crosshairs.try_emplace(f->linkKey, slice->plane.point);
 }
 
-Result<void> Workspace::setLayout(Layout layout) {
-  if (now_.layout == layout && !now_.maximised) return {};
+void Workspace::setLayout(Layout layout) {
+  if (now_.layout == layout && !now_.maximised) return;
   Arrangement& a = edit(Gesture::Layout, -1);
   a.layout = layout;
   a.maximised.reset();
@@ -111,7 +124,40 @@ Result<void> Workspace::setLayout(Layout layout) {
     std::swap(a.tiles[0], a.tiles[static_cast<std::size_t>(a.active)]);
     a.active = 0;
   }
-  return {};
+}
+
+void Workspace::openStack() {
+  const SourceFacts* f = factsOfTile(now_.active);
+  if (!f || f->isVolumeFile || tile(now_.active).view == "stack") return setLayout(Layout::Single);
+  const SliceLayer* slice = sliceOf(tile(now_.active).scene);
+  Scene scene = stackScene(f->id.name, f->count() / 2, {});
+  if (const auto p = crosshair(now_.active)) std::get<ImageLayer>(scene.layers[0]).index = nearestImage(*f, *p).value_or(f->count() / 2);
+  if (slice && slice->window) scene = withWindow(std::move(scene), *slice->window);
+  Arrangement& a = edit(Gesture::Layout, -1);
+  a.layout = Layout::Single;
+  a.maximised.reset();
+  at(a.active) = {f->id, "stack", std::move(scene)};
+}
+
+// Where the middle slices meet, or the crosshair as it was; in the image that is shown.
+PatientPoint Workspace::firstCrosshair(const SourceFacts& f, const Scene& shown) const {
+  PatientPoint p = f.grid->centre();
+  if (const auto it = now_.crosshairs.find(f.linkKey); it != now_.crosshairs.end()) {
+    p = it->second;
+  } else {
+    for (const char* view : {"axial", "coronal", "sagittal"})
+      if (const std::optional<Scene> scene = sceneFor(f, view)) {
+        const Plane& plane = sliceOf(*scene)->plane;
+        const PatientVec n = normalize(plane.normal);
+        p = p + dot(plane.point - p, n) * n;
+      }
+  }
+  const ImageLayer* image = imageOf(shown);
+  if (!image || image->index < 0 || image->index >= f.count()) return p;
+  const auto& plane = f.frames[static_cast<std::size_t>(image->index)].plane;
+  if (!plane) return p;
+  const PatientVec n = normalize(cross(plane->rowDirection, plane->columnDirection));
+  return p + dot(plane->origin - p, n) * n;
 }
 
 Result<void> Workspace::openMpr() {
@@ -120,9 +166,11 @@ Result<void> Workspace::openMpr() {
   if (!f->grid)
     return makeError(ErrorCode::GeometryRefused,
                      f->why2d.empty() ? "This stack was not found fit for 3-D." : f->why2d);
-  const SourceId source = tile(now_.active).source;
-  const ImageLayer* image = imageOf(tile(now_.active).scene);
-  const std::optional<VoiWindow> window = image ? image->window : std::nullopt;
+  const Scene shown = tile(now_.active).scene;
+  const PatientPoint p = firstCrosshair(*f, shown);
+  const ImageLayer* image = imageOf(shown);
+  const SliceLayer* slice = sliceOf(shown);
+  const std::optional<VoiWindow> window = image ? image->window : slice ? slice->window : std::nullopt;
   Arrangement& a = edit(Gesture::Layout, -1);
   a.layout = Layout::Quad;
   a.maximised.reset();
@@ -131,17 +179,24 @@ Result<void> Workspace::openMpr() {
     std::optional<Scene> scene = sceneFor(*f, kMprViews[t]);
     if (!scene) continue;
     if (window) *scene = withWindow(std::move(*scene), *window);
-    at(t) = {source, kMprViews[t], std::move(*scene)};
-  }
-  // The middle slices meet in one point; the oblique plane is moved through it.
-  const auto along = [&](int t) { return sliceOf(tile(t).scene)->plane; };
-  PatientPoint p = along(0).point;
-  for (int t : {1, 2}) {
-    const PatientVec n = normalize(along(t).normal);
-    p = p + dot(along(t).point - p, n) * n;
+    at(t) = {f->id, kMprViews[t], std::move(*scene)};
   }
   placeThrough(a, f->linkKey, p);
   return {};
+}
+
+void Workspace::replaceSource(int t, const SourceId& source) {
+  const SourceFacts* f = facts(source);
+  if (!f || tile(t).empty() || tile(t).source == source) return;
+  edit(Gesture::Scroll, t);
+  at(t).source = source;
+  for (Layer& layer : at(t).scene.layers) {
+    if (auto* slice = std::get_if<SliceLayer>(&layer)) slice->source = source.name;
+    if (auto* image = std::get_if<ImageLayer>(&layer)) {
+      image->source = source.name;
+      image->index = std::clamp<std::int64_t>(image->index, 0, std::max<std::int64_t>(0, f->count() - 1));
+    }
+  }
 }
 
 void Workspace::toggleMaximised(int t) {
@@ -242,13 +297,7 @@ void Workspace::moveCrosshair(int t, PatientPoint p) {
     for (Layer& layer : at(other).scene.layers) {
       auto* image = std::get_if<ImageLayer>(&layer);
       if (!image) continue;
-      double closest = -1;
-      for (const ImageFrameInfo& frame : g->frames) {
-        if (!frame.plane) continue;
-        const PatientVec n = cross(frame.plane->rowDirection, frame.plane->columnDirection);
-        const double d = std::abs(dot(p - frame.plane->origin, n));
-        if (closest < 0 || d < closest) closest = d, image->index = frame.index;
-      }
+      image->index = nearestImage(*g, p).value_or(image->index);
     }
   }
 }

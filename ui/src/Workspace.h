@@ -67,10 +67,15 @@ class Workspace {
   void setActive(int t);
   // The stack view of a source at its middle slice; a volume file opens as axial.
   void open(const SourceId&, int t);
-  // A refusal is a sentence: why the layout cannot be had.
-  Result<void> setLayout(Layout);
-  // 2x2 with axial, coronal, sagittal and oblique of the active tile's source.
+  void setLayout(Layout);
+  // One tile with the stack of the active tile's source, at the image nearest to the crosshair when it showed
+  // reformats.
+  void openStack();
+  // 2x2 with axial, coronal, sagittal and oblique of the active tile's source, through the crosshair and the
+  // image that was shown. A refusal says why not.
   Result<void> openMpr();
+  // Another stack of the same layout (the next time point) in place of the tile's, all else as it is.
+  void replaceSource(int t, const SourceId&);
   void toggleMaximised(int t);
 
   void scroll(int t, int notches);
@@ -104,6 +109,7 @@ class Workspace {
   Tile& at(int t) { return now_.tiles[static_cast<std::size_t>(t)]; }
   void placeThrough(Arrangement&, const std::string& linkKey, PatientPoint);
   std::optional<Scene> sceneFor(const SourceFacts&, const std::string& view) const;
+  PatientPoint firstCrosshair(const SourceFacts&, const Scene& shown) const;
 
   struct GestureKey {
     Gesture kind;

@@ -8,7 +8,7 @@
 namespace vernier::ui {
 namespace {
 
-constexpr float kTopBar = 46, kStatusBar = 28, kBrowser = 296;
+constexpr float kTopBar = 46, kStatusBar = 28, kBrowser = 296, kOneRow = 1200;
 
 constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
@@ -21,12 +21,13 @@ bool pressed(int key) { return ImGui::IsKeyPressed(key, false); }
 void Gui::frame() {
   const ImGuiIO& io = ImGui::GetIO();
   const float w = io.DisplaySize.x, h = io.DisplaySize.y;
-  const float top = theme_.px(kTopBar), bottom = theme_.px(kStatusBar);
+  const bool twoRows = w < theme_.px(kOneRow);
+  const float top = theme_.px(twoRows ? 2 * kTopBar - 10 : kTopBar), bottom = theme_.px(kStatusBar);
   const float side = browserShown_ ? std::min(theme_.px(kBrowser), w * 0.4f) : 0;
   probe_ = {};
   keys();
   ImGui::PushFont(theme_.body);
-  topBar({0, 0, w, top});
+  topBar({0, 0, w, top}, twoRows);
   if (browserShown_) browser({0, top, side, h - top - bottom});
   tiles({side, top, w - side, h - top - bottom});
   statusBar({0, h - bottom, w, bottom});
@@ -57,8 +58,8 @@ void Gui::keys() {
     if (pressed(GLFW_KEY_B)) browserShown_ = !browserShown_;
     return;
   }
-  if (pressed(GLFW_KEY_F2)) (void)w.setLayout(Layout::Single);
-  if (pressed(GLFW_KEY_F3)) (void)w.setLayout(Layout::Pair);
+  if (pressed(GLFW_KEY_F2)) w.openStack();
+  if (pressed(GLFW_KEY_F3)) w.setLayout(Layout::Pair);
   if (pressed(GLFW_KEY_F4))
     if (const Result<void> r = desk_.openMpr(); !r) why_ = r.error().sentence;
   const std::pair<int, Tool> tools[] = {{GLFW_KEY_W, Tool::Window},
@@ -94,9 +95,9 @@ void Gui::layoutButtons() {
   Workspace& w = desk_.workspace();
   const Layout now = w.now().layout;
   const SourceFacts* f = w.factsOfTile(w.now().active);
-  if (toggle("Single", now == Layout::Single, "One picture (F2)")) (void)w.setLayout(Layout::Single);
+  if (toggle("Stack", now == Layout::Single, "The acquired images, one at a time (F2)")) w.openStack();
   ImGui::SameLine();
-  if (toggle("Pair", now == Layout::Pair, "Two side by side (F3)")) (void)w.setLayout(Layout::Pair);
+  if (toggle("Pair", now == Layout::Pair, "Two pictures side by side (F3)")) w.setLayout(Layout::Pair);
   ImGui::SameLine();
   const bool can = f && f->grid;
   if (!can) ImGui::PushStyleColor(ImGuiCol_Text, colour::kDim);
@@ -118,8 +119,8 @@ void Gui::toolButtons() {
       {"Zoom", Tool::Zoom, "Left drag magnifies (Z); right drag with any tool"},
       {"Scroll", Tool::Scroll, "Left drag goes through the slices (S); the wheel with any tool"}};
   for (const auto& [label, tool, hint] : rows) {
+    if (tool != Tool::Window) ImGui::SameLine(0, theme_.px(4));
     if (toggle(label, tool_ == tool, hint)) tool_ = tool;
-    ImGui::SameLine(0, theme_.px(4));
   }
 }
 
@@ -146,31 +147,18 @@ void Gui::windowMenu() {
   ImGui::EndCombo();
 }
 
-void Gui::topBar(Rect r) {
-  ImGui::SetNextWindowPos({r.x, r.y});
-  ImGui::SetNextWindowSize({r.w, r.h});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme_.px(10), theme_.px(9)});
-  ImGui::Begin("##top", nullptr, kFixed);
-  ImGui::PopStyleVar();
-  ImGui::PushFont(theme_.bold);
-  ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted("Vernier");
-  ImGui::PopFont();
-  ImGui::SameLine(0, theme_.px(16));
-  if (toggle("Studies", browserShown_, "Shows or hides the list of studies (Ctrl+B)")) browserShown_ = !browserShown_;
-  ImGui::SameLine(0, theme_.px(16));
-  layoutButtons();
-  ImGui::SameLine(0, theme_.px(16));
-  toolButtons();
-  ImGui::SameLine(0, theme_.px(16));
-  windowMenu();
+void Gui::viewButtons() {
   Workspace& w = desk_.workspace();
+  windowMenu();
   const int active = w.now().active;
   ImGui::SameLine();
   if (toggle("Invert", false, "Dark and bright change places (I)")) w.invert(active);
   ImGui::SameLine(0, theme_.px(4));
   if (toggle("Fit", false, "Whole picture in sight again (R)")) w.resetView(active);
-  ImGui::SameLine(0, theme_.px(16));
+}
+
+void Gui::historyButtons() {
+  Workspace& w = desk_.workspace();
   ImGui::BeginDisabled(!w.canUndo());
   if (toggle("Undo", false, "Ctrl+Z")) w.undo();
   ImGui::EndDisabled();
@@ -178,9 +166,40 @@ void Gui::topBar(Rect r) {
   ImGui::BeginDisabled(!w.canRedo());
   if (toggle("Redo", false, "Ctrl+Y")) w.redo();
   ImGui::EndDisabled();
+}
+
+// One row where there is room, else two.
+void Gui::topBar(Rect r, bool twoRows) {
+  ImGui::SetNextWindowPos({r.x, r.y});
+  ImGui::SetNextWindowSize({r.w, r.h});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme_.px(10), theme_.px(9)});
+  ImGui::Begin("##top", nullptr, kFixed);
+  ImGui::PopStyleVar();
+  const float group = theme_.px(16);
+  ImGui::PushFont(theme_.bold);
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted("Vernier");
+  ImGui::PopFont();
+  ImGui::SameLine(0, group);
+  if (toggle("Studies", browserShown_, "Shows or hides the list of studies (Ctrl+B)")) browserShown_ = !browserShown_;
+  ImGui::SameLine(0, group);
+  layoutButtons();
+  ImGui::SameLine(0, group);
+  if (!twoRows) {
+    toolButtons();
+    ImGui::SameLine(0, group);
+    viewButtons();
+    ImGui::SameLine(0, group);
+  }
+  historyButtons();
   const float help = ImGui::CalcTextSize("Help").x + 2 * ImGui::GetStyle().FramePadding.x;
   ImGui::SameLine(std::max(ImGui::GetCursorPosX(), r.w - help - theme_.px(10)));
   if (toggle("Help", help_, "Mouse and keys (F1)")) help_ = !help_;
+  if (twoRows) {
+    toolButtons();
+    ImGui::SameLine(0, group);
+    viewButtons();
+  }
   ImGui::GetWindowDrawList()->AddLine({r.x, r.y + r.h - 1}, {r.x + r.w, r.y + r.h - 1}, colour::kLine);
   ImGui::End();
 }

@@ -43,10 +43,12 @@ class Gui {
 
   // Gui.cpp
   void keys();
-  void topBar(Rect);
+  void topBar(Rect, bool twoRows);
   void layoutButtons();
   void toolButtons();
   void windowMenu();
+  void viewButtons();
+  void historyButtons();
   bool toggle(const char* label, bool on, const char* hint);
   void statusBar(Rect);
   // TilePanel.cpp

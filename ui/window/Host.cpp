@@ -247,8 +247,8 @@ Picture Host::screenshot() {
   return textures_->readBack(w, h);
 }
 
-void Host::run() {
-  while (!glfwWindowShouldClose(window_) && !gui_->wantsToQuit()) {
+void Host::run(const std::function<bool()>& goOn) {
+  while (!glfwWindowShouldClose(window_) && !gui_->wantsToQuit() && (!goOn || goOn())) {
     if (framesWanted_ > 0 || !input_.empty())
       glfwPollEvents();
     else

@@ -38,7 +38,8 @@ class Host {
   // Until nothing is loading, drawn or waiting; false after `limit_s`.
   bool settle(double limit_s);
   Picture screenshot();  // of the last frame
-  void run();            // until the window is closed
+  // Until the window is closed, or `goOn` (asked after each event) says no.
+  void run(const std::function<bool()>& goOn = {});
 
  private:
   Host() = default;

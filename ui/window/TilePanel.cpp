@@ -34,7 +34,7 @@ void Gui::tiles(Rect r) {
   ImGui::PopStyleColor();
   ImGui::PopStyleVar();
   const Workspace& w = desk_.workspace();
-  if (w.differentPeople()) {
+  if (w.differentPeople()) {  // and each of their headers is red
     const float band = theme_.px(kRedBand);
     ImDrawList* draw = ImGui::GetWindowDrawList();
     draw->AddRectFilled({r.x, r.y}, {r.x + r.w, r.y + band}, colour::kRedBand);
@@ -100,7 +100,8 @@ void Gui::tileHeader(int t, Rect r) {
   const Workspace& w = desk_.workspace();
   const Tile& tile = w.tile(t);
   ImDrawList* draw = ImGui::GetWindowDrawList();
-  draw->AddRectFilled({r.x, r.y}, {r.x + r.w, r.y + r.h}, colour::kPanel);
+  const bool alarm = !tile.empty() && w.differentPeople();
+  draw->AddRectFilled({r.x, r.y}, {r.x + r.w, r.y + r.h}, alarm ? colour::kRedBand : colour::kPanel);
   if (tile.empty()) return;
   const SourceFacts* f = w.factsOfTile(t);
   const float pad = theme_.px(8), chip = theme_.px(8), middle = r.y + r.h / 2;
@@ -119,7 +120,7 @@ void Gui::tileHeader(int t, Rect r) {
   draw->AddText(theme_.small, theme_.small->FontSize, {personX, y}, colour::kText, f->patient.c_str());
   draw->PushClipRect({x, r.y}, {std::max(x, personX - theme_.px(12)), r.y + r.h}, true);
   const std::string series = (f->modality.empty() ? "" : f->modality + "  ") + f->title;
-  draw->AddText(theme_.small, theme_.small->FontSize, {x, y}, colour::kDim, series.c_str());
+  draw->AddText(theme_.small, theme_.small->FontSize, {x, y}, alarm ? colour::kText : colour::kDim, series.c_str());
   draw->PopClipRect();
 }
 
@@ -150,7 +151,7 @@ void Gui::volumeState(int t, Rect r) {
   if (const Error* e = desk_.volumeError(source)) {
     const bool cancelled = e->code == ErrorCode::Cancelled;
     sentence(r, cancelled ? "Loading was cancelled" : "This volume cannot be shown",
-             cancelled ? "The stack view needs no volume: choose Single." : e->sentence + " The stack view still works.",
+             cancelled ? "The stack view needs no volume: choose Stack." : e->sentence + " The stack view still works.",
              cancelled ? colour::kText : colour::kAmber);
     ImGui::SetCursorScreenPos({r.x + (r.w - theme_.px(96)) / 2, r.y + r.h / 2 + theme_.px(44)});
     if (ImGui::Button("Try again", {theme_.px(96), 0})) desk_.retryVolume(source);
@@ -234,7 +235,10 @@ void Gui::hands(int t, Rect r, bool hovered) {
     wheel_ += io.MouseWheel;
     const int notches = static_cast<int>(wheel_);  // touch pads send parts of a notch
     wheel_ -= static_cast<float>(notches);
-    w.scroll(t, -notches);
+    if (io.KeyShift)
+      desk_.stepTime(t, -notches);
+    else
+      w.scroll(t, -notches);
   }
   if (!hovered || drag_) return;
   if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
