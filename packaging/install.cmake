@@ -8,6 +8,8 @@ set_target_properties(vernier_program PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/v
 install(TARGETS vernier_program RUNTIME COMPONENT vernier)
 install(TARGETS vernier EXPORT vernierTargets
   LIBRARY DESTINATION lib/vernier COMPONENT vernier NAMELINK_COMPONENT vernier-dev)
+set_target_properties(vernier_ui PROPERTIES INSTALL_RPATH "$ORIGIN")
+install(TARGETS vernier_ui LIBRARY DESTINATION lib/vernier COMPONENT vernier)
 
 install(TARGETS vernier_vtk LIBRARY DESTINATION lib/vernier COMPONENT vernier)
 

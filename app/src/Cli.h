@@ -34,6 +34,7 @@ Command addSheet(CLI::App&, GlobalOptions&);
 Command addCompare(CLI::App&, GlobalOptions&);
 Command addPhantom(CLI::App&, GlobalOptions&);
 Command addDoctor(CLI::App&, GlobalOptions&);
+Command addView(CLI::App&, GlobalOptions&);
 Command addPlugins(CLI::App&, GlobalOptions&);
 
 // "vernier: where: sentence" on stderr; returns the exit code.

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "Cli.h"
+#include "UiLibrary.h"
 #include "Version.h"
 #include "WindowCheck.h"
 #include "vernier/study/Limits.h"
@@ -16,6 +17,8 @@ using Json = nlohmann::ordered_json;
 Json windowFacts() {
   const Result<WindowFacts> window = checkWindow();
   if (!window) return {{"available", false}, {"why_not", window.error().sentence}};
+  if (const Result<void> library = checkUiLibrary(); !library)
+    return {{"available", false}, {"why_not", library.error().sentence}};
   return {{"available", true},
           {"why_not", ""},
           {"display", window->display},

@@ -49,6 +49,7 @@ Session::~Session() = default;
 
 const StudySet& Session::study() const { return impl_->study; }
 const std::vector<VolumeFile>& Session::volumeFiles() const { return impl_->volumeFiles; }
+bool Session::isVolumeFile() const { return impl_->study.series.empty() && impl_->volumeFiles.size() == 1; }
 const std::vector<PluginInfo>& Session::plugins() const { return impl_->plugins.plugins(); }
 bool Session::draws(const std::string& kind) const {
   return !impl_->plugins.techniques().drawing(kind).empty();
@@ -60,7 +61,7 @@ void Session::use(StackChoice c) { impl_->chosen = c; }
 void Session::readVolumeFilesWith(std::optional<std::int64_t> frame, std::optional<double> zSpan) {
   if (impl_->fileFrame != frame || impl_->zSpan != zSpan) {
     impl_->volumes.clear();
-    impl_->images.clear();
+    ++impl_->opened;  // no frame of it is taken for one of the new reading
   }
   impl_->fileFrame = frame;
   impl_->zSpan = zSpan;
@@ -77,7 +78,8 @@ Result<void> Session::open(const std::vector<std::string>& paths, const Progress
   impl_->volumeFiles.clear();
   impl_->chosen.reset();
   impl_->volumes.clear();
-  impl_->images.clear();
+  impl_->stackWindows.clear();
+  ++impl_->opened;
   Result<StudySet> set = scanStudy(paths, progress, stop);
   if (!set) return set.error();
   impl_->study = std::move(*set);
@@ -106,8 +108,23 @@ int Session::threadCount() const { return threads(); }
 std::uint64_t Session::derivedBytes() const { return impl_->derivedBytes; }
 std::shared_ptr<const Volume> Session::builtVolume() const {
   if (!impl_->chosen) return nullptr;
-  const auto it = impl_->volumes.find(*impl_->chosen);
-  return it == impl_->volumes.end() ? nullptr : it->second;
+  return impl_->ready(*impl_->chosen);
+}
+
+std::shared_ptr<const Volume> Session::Impl::ready(StackChoice c) const {
+  const std::lock_guard lock(sourcesMutex);
+  const auto it = volumes.find(c);
+  return it == volumes.end() ? nullptr : it->second.volume;
+}
+
+std::string Session::sourceName(StackChoice c) const {
+  const auto& series = impl_->study.series;
+  if (c.volumeFile) return std::to_string(series.size() + *c.volumeFile + 1);
+  VERNIER_ASSERT(c.series < series.size());
+  const std::string& uid = series[c.series].seriesUid;
+  const auto same = std::count_if(series.begin(), series.end(), [&](const Series& s) { return s.seriesUid == uid; });
+  const bool uidNames = !uid.empty() && same == 1 && uid.find('#') == std::string::npos && !positiveNumber(uid);
+  return (uidNames ? uid : std::to_string(c.series + 1)) + "#" + std::to_string(c.stack + 1);
 }
 
 namespace {
@@ -185,8 +202,13 @@ Result<std::shared_ptr<const Volume>> Session::volume(const std::string& source,
                                                       std::stop_token stop) {
   const Result<StackChoice> c = resolve(*this, impl_->chosen, source);
   if (!c) return c.error();
-  auto& slot = impl_->volumes[*c];
-  if (slot) return slot;
+  std::unique_lock lock(impl_->sourcesMutex);
+  Impl::VolumeSlot& slot = impl_->volumes[*c];
+  impl_->built.wait(lock, stop, [&] { return !slot.building; });
+  if (slot.volume) return slot.volume;
+  if (slot.building) return makeError(ErrorCode::Cancelled, "Loading was cancelled.");
+  slot.building = true;
+  lock.unlock();
   const TraceSpan span("build volume");
   BuildOptions options;
   options.budget = &impl_->budget;
@@ -197,8 +219,16 @@ Result<std::shared_ptr<const Volume>> Session::volume(const std::string& source,
   Result<std::shared_ptr<const Volume>> built =
       file ? readVolumeFile(impl_->study.files[file->file], options, progress, stop)
            : buildVolume(impl_->study, *seriesOf(*c), *stackOf(*c), options, progress, stop);
-  if (built) slot = *built;
+  lock.lock();
+  slot.building = false;
+  if (built) slot.volume = *built;
+  impl_->built.notify_all();
   return built;
+}
+
+std::shared_ptr<const Volume> Session::readyVolume(const std::string& source) const {
+  const Result<StackChoice> c = resolve(*this, impl_->chosen, source);
+  return c ? impl_->ready(*c) : nullptr;
 }
 
 std::shared_ptr<const PresentationState> Session::presentation(const std::string& uid) const {
@@ -244,18 +274,44 @@ Result<std::shared_ptr<const ImageFrame>> Session::image(const std::string& sour
                      "The stack has slices 0 to " + std::to_string(*count - 1) + ", got " +
                          std::to_string(index) + ".",
                      "--slice");
-  auto& slot = impl_->images[{*c, index}];
-  if (slot) return slot;
-  const auto build = [&]() -> Result<std::shared_ptr<const ImageFrame>> {
-    if (!c->volumeFile)
-      return buildImageFrame(impl_->study, *seriesOf(*c), *stackOf(*c), static_cast<std::size_t>(index));
-    const auto v = volume(source);
-    if (!v) return v.error();
-    return imageOfVolume(**v, index, impl_->windowOf(**v));
+  const auto made = [](const std::shared_ptr<const ImageFrame>& frame) {
+    const ImageFrameInfo& info = frame->info();
+    const auto pixels = static_cast<std::uint64_t>(info.columns) * static_cast<std::uint64_t>(info.rows);
+    return DerivedCache::Made<ImageFrame>{frame, pixels * bytesOf(info.type)};
   };
-  Result<std::shared_ptr<const ImageFrame>> built = build();
-  if (built) slot = *built;
-  return built;
+  const std::string stackName = c->volumeFile ? "file " + std::to_string(*c->volumeFile)
+                                              : std::to_string(c->series) + "#" + std::to_string(c->stack);
+  const DerivedCache::Key key{"frame", impl_->opened, stackName + "#" + std::to_string(index)};
+  return impl_->frames.get<ImageFrame>(key, [&]() -> Result<DerivedCache::Made<ImageFrame>> {
+    if (c->volumeFile) {
+      const auto v = volume(source);
+      if (!v) return v.error();
+      const auto built = imageOfVolume(**v, index, impl_->windowOf(**v));
+      if (!built) return built.error();
+      return made(*built);
+    }
+    const auto built = impl_->buildFrame(*c, *seriesOf(*c), *stackOf(*c), index);
+    if (!built) return built.error();
+    return made(*built);
+  });
+}
+
+Result<std::shared_ptr<const ImageFrame>> Session::Impl::buildFrame(StackChoice c, const Series& series,
+                                                                    const Stack& stack, std::int64_t index) {
+  std::optional<VoiWindow> known;
+  {
+    const std::lock_guard lock(sourcesMutex);
+    if (const auto it = stackWindows.find(c); it != stackWindows.end()) known = it->second;
+  }
+  Result<std::shared_ptr<const ImageFrame>> frame =
+      buildImageFrame(study, series, stack, static_cast<std::size_t>(index), known);
+  if (!frame || known) return frame;
+  const ImageFrameInfo& info = (*frame)->info();
+  if (info.windows.empty() && info.voiLuts.empty() && !windowPerImage(stack, info.modality)) {
+    const std::lock_guard lock(sourcesMutex);
+    stackWindows.emplace(c, info.autoWindow);
+  }
+  return frame;
 }
 
 }  // namespace vernier::app

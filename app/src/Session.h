@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Session: the one door. Opens studies, builds volumes, plans and renders; no globals, no argv, no exit().
-// Command line, window, goldens, fuzzers and benchmarks use only this. Call from one thread; render() runs
-// its passes on the session's render thread, which alone touches GL.
+// Command line, window, goldens, fuzzers and benchmarks use only this.
+//
+// Threads: open(), use() and bridgeGaps() are called while nothing else of the session runs. Then everything
+// else may be called from several threads at once: so the window scrolls single frames while another thread
+// builds the volume. A volume is built once: who asks for it meanwhile waits. Pictures are planned and drawn
+// one after the other, on the session's render thread, which alone touches GL; errors are measured beside it.
+// costs() is for one thread.
 #pragma once
 #include <functional>
 #include <memory>
@@ -52,7 +57,7 @@ struct RenderOptions {
 // "UID#stack" or by a volume file's name.
 struct StackChoice {
   std::size_t series = 0, stack = 0;
-  std::optional<std::size_t> volumeFile;  // position in Session::volumeFiles(); series and stack then mean nothing
+  std::optional<std::size_t> volumeFile = std::nullopt;  // position in Session::volumeFiles(); series and stack then mean nothing
   friend auto operator<=>(const StackChoice&, const StackChoice&) = default;
 };
 
@@ -65,12 +70,16 @@ class Session {
   Result<void> open(const std::vector<std::string>& paths, const ProgressFn& = {}, std::stop_token = {});
   const StudySet& study() const;
   const std::vector<VolumeFile>& volumeFiles() const;  // what of it is no DICOM, but a volume file
+  bool isVolumeFile() const;  // one volume file and nothing else
 
   // `series`: "" = the largest stack or volume file that can be shown in 3-D, else the largest image stack
   // (segmentations and doses only where there is nothing else); a Series Instance UID or a volume file's name; or the
   // position in `info`, counted from 1, volume files after the series; a series with an optional "#stack" counted
   // from 1.
   Result<StackChoice> choose(const std::string& series) const;
+  // A source name that stands for this stack whatever use() says: "UID#stack", or "position#stack" where the
+  // UID is empty or not unique.
+  std::string sourceName(StackChoice) const;
   void use(StackChoice);  // what source "" means from now on
   const Series* seriesOf(StackChoice) const;
   const Stack* stackOf(StackChoice) const;
@@ -79,6 +88,9 @@ class Session {
   // Builds (once) what a source names. The images of a volume file are its slices as they stand in the file.
   Result<std::shared_ptr<const Volume>> volume(const std::string& source, const ProgressFn& = {},
                                                std::stop_token = {});
+  // What volume() would give at once; nullptr where it has not been built.
+  std::shared_ptr<const Volume> readyVolume(const std::string& source) const;
+  // Single frames are kept up to kKeptFrames_bytes, the least recently used ones go.
   Result<std::shared_ptr<const ImageFrame>> image(const std::string& source, std::int64_t index);
   // A presentation state of the study by its SOP Instance UID; nullptr where there is none.
   std::shared_ptr<const PresentationState> presentation(const std::string& sopInstanceUid) const;

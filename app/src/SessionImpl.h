@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a Session holds. Private to Session.cpp (what is opened) and SessionRender.cpp (what is drawn).
 #pragma once
+#include <atomic>
+#include <condition_variable>
 #include <map>
+#include <mutex>
 
 #include "RenderThread.h"
 #include "Session.h"
@@ -36,6 +39,9 @@ struct Session::Impl {
   Scene withWindows(Scene, const Sources&);
   VoiWindow windowOf(const Volume&);
   std::optional<std::size_t> volumeFileNamed(const std::string&) const;
+  std::shared_ptr<const Volume> ready(StackChoice) const;
+  Result<std::shared_ptr<const ImageFrame>> buildFrame(StackChoice, const Series&, const Stack&,
+                                                       std::int64_t index);
   Result<void> checkShown(const Scene&, const View&) const;
   Result<Sources> sourcesFor(Session&, const Scene&, std::stop_token);
   Result<Plan> planFor(const Scene&, const View&, const Quality&, const Sources&, bool explain);
@@ -57,22 +63,33 @@ struct Session::Impl {
 
   std::function<Result<std::unique_ptr<gpu::Device>>()> makeDevice;
   bool deviceWasRebuilt = false;
+  static constexpr std::uint64_t kKeptFrames_bytes = std::uint64_t{64} << 20;
   static constexpr std::uint64_t kDerivedBytes = std::uint64_t{256} << 20;
   MemoryBudget budget;
   DerivedCache derived{kDerivedBytes};
   StudySet study;
   std::vector<VolumeFile> volumeFiles;
   std::optional<StackChoice> chosen;
+  Revision opened = 0;  // counts what was opened: frames of earlier studies are not taken for those of this one
   bool bridge = false;
   std::optional<std::int64_t> fileFrame;
   std::optional<double> zSpan;
-  std::map<StackChoice, std::shared_ptr<const Volume>> volumes;
-  std::map<std::pair<StackChoice, std::int64_t>, std::shared_ptr<const ImageFrame>> images;
   std::map<std::string, std::shared_ptr<const SurfaceFile>> surfaces;
   std::map<std::string, std::string> surfacePaths;
+  struct VolumeSlot {
+    std::shared_ptr<const Volume> volume;
+    bool building = false;  // by one thread; the others wait for `built`
+  };
+  // Guards volumes and stackWindows.
+  mutable std::mutex sourcesMutex;
+  std::condition_variable_any built;
+  std::map<StackChoice, VolumeSlot> volumes;
+  std::map<StackChoice, VoiWindow> stackWindows;  // automatic ones, which take many frames to find
+  DerivedCache frames{kKeptFrames_bytes};
+  std::mutex drawing;  // held while a picture is planned and drawn
   std::optional<Capabilities> capabilities;
   bool lookedForGl = false;
-  std::uint64_t derivedBytes = 0;
+  std::atomic<std::uint64_t> derivedBytes = 0;
   CostTable costs;
   std::unique_ptr<gpu::Device> glDevice;  // touched on the render thread only
   PluginHost plugins;

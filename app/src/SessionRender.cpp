@@ -13,7 +13,10 @@
 
 namespace vernier::app {
 
-const Capabilities& Session::capabilities(bool withGl) { return impl_->look(withGl); }
+const Capabilities& Session::capabilities(bool withGl) {
+  const std::lock_guard lock(impl_->drawing);
+  return impl_->look(withGl);
+}
 
 const Capabilities& Session::Impl::look(bool withGl) {
   if (!capabilities) {
@@ -91,6 +94,7 @@ Result<Sources> Session::Impl::sourcesFor(Session& session, const Scene& scene, 
 Result<Plan> Session::plan(const Scene& scene, const View& view, const Quality& quality, bool explain) {
   const Result<Sources> sources = impl_->sourcesFor(*this, scene, {});
   if (!sources) return sources.error();
+  const std::lock_guard lock(impl_->drawing);
   return impl_->planFor(impl_->withWindows(scene, *sources), view, quality, *sources, explain);
 }
 
@@ -269,6 +273,7 @@ Result<Rendered> Session::render(const Scene& scene, const View& view, const Qua
   Rendered out;
   std::map<double, Plan> plans;  // by step: the one that belongs to the picture that is kept
   const quality::RenderAtStep draw = [&](double step) -> Result<Frame> {
+    const std::lock_guard lock(impl_->drawing);
     Quality quality = asked;
     quality.step = step;
     Result<Plan> plan = impl_->planFor(drawn, view, quality, *sources, options.explain);
@@ -279,7 +284,10 @@ Result<Rendered> Session::render(const Scene& scene, const View& view, const Qua
     return frame;
   };
   const Scene shown = impl_->withoutAbsentLayers(drawn);
-  const auto truths = impl_->truthsOf(shown, view, asked, *sources);
+  const auto truths = [&] {
+    const std::lock_guard lock(impl_->drawing);
+    return impl_->truthsOf(shown, view, asked, *sources);
+  }();
   if (!options.measure || !truths) {
     Result<Frame> frame = draw(asked.step);
     if (!frame) return frame.error();

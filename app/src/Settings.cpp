@@ -9,6 +9,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "vernier/picture/WriteFile.h"
+
 namespace vernier::app {
 namespace {
 using nlohmann::json;
@@ -94,6 +96,7 @@ Result<Settings> readSettings(const SettingFlags& flags) {
     if (end > at) s.pluginFolders.push_back(plugins.value.substr(at, end - at));
     at = end + 1;
   }
+  s.noticeSeen = config->contains("notice_seen") && config->at("notice_seen") == true;
   s.sources = {threads, memory, engine, plugins};
   return s;
 }
@@ -115,6 +118,17 @@ Result<void> checkSettingsFolder() {
       "The settings folder cannot be written, so changes of settings are not kept; mend its permissions "
       "or set XDG_CONFIG_HOME to a folder that can.",
       "config.json");
+}
+
+Result<void> rememberNoticeSeen() {
+  const std::string path = configPath();
+  if (path.empty()) return makeError(ErrorCode::WriteFailed, "There is no home folder to keep settings in.");
+  Result<json> config = readConfig();
+  if (!config) return config.error();
+  (*config)["notice_seen"] = true;
+  std::error_code ec;
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ec);
+  return writeFileWhole(path, config->dump(2) + "\n");
 }
 
 }  // namespace vernier::app

@@ -21,6 +21,7 @@ struct Settings {
   std::uint64_t memory_mb = 0;             // 0 = half of what is free
   std::string engine = "auto";             // auto | gl | native
   std::vector<std::string> pluginFolders;  // besides the install folder
+  bool noticeSeen = false;                 // the notice of the first start was read
   std::vector<Setting> sources;            // one per setting, for doctor
 };
 
@@ -38,5 +39,9 @@ Result<Settings> readSettings(const SettingFlags&);
 // it does not exist, the nearest one above it) cannot be written. Nothing is created. Vernier works without
 // it.
 Result<void> checkSettingsFolder();
+
+// Writes notice_seen into the settings file, which keeps all else that it holds. WriteFailed where that cannot
+// be done.
+Result<void> rememberNoticeSeen();
 
 }  // namespace vernier::app

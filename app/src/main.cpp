@@ -18,7 +18,6 @@ struct Later {
 };
 // Commands of DESIGN's contract whose rooms are not built yet: they say so and exit 1.
 constexpr Later kLater[] = {
-    {"view", "opens the window on a study"},
     {"tradeoff", "sweeps techniques and settings on your volume: time against error"},
     {"measure", "measures lengths, angles and regions from a specification"},
     {"qa", "runs golden-image quality assurance"},
@@ -43,6 +42,7 @@ int runCli(int argc, char** argv) {
   app.fallthrough();
   app.footer(
       "Examples:\n"
+      "  vernier view STUDY                          the window\n"
       "  vernier info STUDY                          what is in a folder of DICOM files\n"
       "  vernier render STUDY --view axial --out a.png\n"
       "  vernier phantom small-ct --out study        a synthetic study to try things on\n"
@@ -54,7 +54,7 @@ int runCli(int argc, char** argv) {
   app.add_option("--trace", global.traceFile, "Write spans of the work in Chrome's trace format");
   app.add_flag("--quiet", global.quiet, "No progress on the terminal");
 
-  std::vector<Command> commands = {addInfo(app, global),   addRender(app, global),  addSheet(app, global),
+  std::vector<Command> commands = {addView(app, global),   addInfo(app, global),   addRender(app, global),  addSheet(app, global),
                                    addBench(app, global),  addCompare(app, global), addPhantom(app, global),
                                    addDoctor(app, global), addPlugins(app, global)};
   std::vector<Command> notYet;

@@ -9,6 +9,8 @@ file(WRITE ${OUT} "// Made by EmbedFont.cmake; not to be edited.
 #pragma GCC diagnostic ignored \"-Woverlength-strings\"
 namespace vernier {
 extern const unsigned char ${NAME}[];
+extern const unsigned ${NAME}_bytes;
+const unsigned ${NAME}_bytes = ${bytes};
 const unsigned char ${NAME}[${bytes} + 1] =
   \"${hex}\";
 }  // namespace vernier

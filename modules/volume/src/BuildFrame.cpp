@@ -48,13 +48,6 @@ Result<Pixels> decodeOne(const StudySet& set, SliceRef ref) {
   return p;
 }
 
-// Each image has its own window where exposures differ from image to image; elsewhere a stack has one.
-bool windowPerImage(const Stack& stack, const std::string& modality) {
-  constexpr std::array<std::string_view, 5> kPerImage{"NM", "XA", "CR", "DX", "MG"};
-  return stack.shape == StackShape::NoGeometry ||
-         std::find(kPerImage.begin(), kPerImage.end(), modality) != kPerImage.end();
-}
-
 // The frame's own place; frames without one (empty ones of a segmentation) lie where the grid says.
 std::optional<FramePlane> planeOf(const Stack& stack, std::size_t slice, const SliceFacts& s) {
   const Instance& i = *s.object;
@@ -231,6 +224,12 @@ Result<std::shared_ptr<const ImageFrame>> build(const StudySet& set, const Serie
 }
 
 }  // namespace
+
+bool windowPerImage(const Stack& stack, const std::string& modality) {
+  constexpr std::array<std::string_view, 5> kPerImage{"NM", "XA", "CR", "DX", "MG"};
+  return stack.shape == StackShape::NoGeometry ||
+         std::find(kPerImage.begin(), kPerImage.end(), modality) != kPerImage.end();
+}
 
 Result<std::shared_ptr<const ImageFrame>> buildImageFrame(const StudySet& set, const Series& series,
                                                           const Stack& stack, std::size_t slice,

@@ -44,6 +44,9 @@ VERNIER_API Result<std::shared_ptr<const ImageFrame>> buildImageFrame(
     const StudySet&, const Series&, const Stack&, std::size_t slice,
     std::optional<VoiWindow> autoWindow = {});
 
+// Whether each image of the stack has a window of its own.
+VERNIER_API bool windowPerImage(const Stack&, const std::string& modality);
+
 // The window to show first: the file's first valid one (normalised), else the automatic one.
 VERNIER_API VoiWindow defaultWindow(const Volume&);
 

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "RenderService.h"
+
+#include <algorithm>
+
+#include "Annotations.h"
+#include "vernier/base/Guarded.h"
+#include "vernier/picture/Hatch.h"
+#include "vernier/picture/Quantise.h"
+#include "vernier/volume/Voi.h"
+
+namespace vernier::ui {
+namespace {
+
+Picture withAlpha(const Picture& rgb) {
+  Picture out;
+  out.width = rgb.width, out.height = rgb.height, out.channels = 4;
+  const std::size_t n = static_cast<std::size_t>(rgb.width) * static_cast<std::size_t>(rgb.height);
+  out.pixels.resize(4 * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    std::copy_n(rgb.pixels.data() + 3 * i, 3, out.pixels.data() + 4 * i);
+    out.pixels[4 * i + 3] = 255;
+  }
+  return out;
+}
+
+// What the tile shows, and how values become grey.
+Result<void> describeSource(app::Session& session, FinishedPicture& out) {
+  if (const ImageLayer* layer = imageOf(out.scene)) {
+    auto frame = session.image(layer->source, layer->index);
+    if (!frame) return frame.error();
+    out.frame = std::move(*frame);
+    const ImageFrameInfo& info = out.frame->info();
+    out.window = layer->window && usableWindow(*layer->window) ? *layer->window
+                 : !info.windows.empty()                       ? info.windows.front()
+                                                               : info.autoWindow;
+    out.inverted = layer->invert != info.inverted;
+    out.findings = info.findings;
+    out.windowFacts = {info.unit, info.windows, info.voiLuts, info.autoWindow, {}};
+  } else if (const SliceLayer* slice = sliceOf(out.scene)) {
+    auto volume = session.volume(slice->source);
+    if (!volume) return volume.error();
+    out.volume = std::move(*volume);
+    const VolumeInfo& info = out.volume->info();
+    const VoiWindow usual = session.defaultWindowOf(*out.volume);
+    out.window = slice->window && usableWindow(*slice->window) ? *slice->window : usual;
+    out.inverted = slice->invert != info.inverted;
+    out.findings = info.findings;
+    out.windowFacts = {info.unit, info.windows, {}, info.windows.empty() ? usual : VoiWindow{}, {}};
+    if (const auto range = out.volume->modalityRange()) out.windowFacts.range = {range->min, range->max};
+  }
+  return {};
+}
+
+Result<void> finish(app::Session& session, const app::Rendered& r, double scale, FinishedPicture& out) {
+  Picture picture = quantise(r.frame.images);
+  if (const SliceLayer* slice = sliceOf(out.scene); slice && out.volume) {
+    const Result<SlicePicture> place = slicePicture(*slice, out.scene.camera, out.view, *out.volume);
+    if (!place) return place.error();
+    hatchGaps(picture, r.frame.images, *place, out.volume->grid());
+  }
+  Result<Annotations> a = app::annotationsFor(session, out.scene, out.view, r, std::nullopt);
+  if (!a) return a.error();
+  out.measured = r.error.has_value();
+  if (!out.measured) a->status.insert(a->status.begin(), TextLine{"draft", "draft", Tone::Normal});
+  if (!a->status.empty()) out.errorLine = a->status.front().text;
+  if (r.error) out.errorText = quality::errorSentence(*r.error);
+  out.layout = layoutAnnotations(*a, out.view.width_px, out.view.height_px, scale);
+  drawLayout(picture, out.layout);
+  out.rgba = withAlpha(picture);
+  out.engine = r.frame.engine + ", " + r.frame.renderer;
+  out.render_ms = r.frame.render_ms;
+  return {};
+}
+
+}  // namespace
+
+RenderService::RenderService(std::function<void()> wake)
+    : wake_(std::move(wake)), thread_([this](std::stop_token stop) { loop(stop); }) {}
+
+RenderService::~RenderService() {
+  {
+    const std::lock_guard lock(mutex_);
+    refining_.request_stop();
+  }
+  thread_.request_stop();
+  changed_.notify_all();
+}
+
+void RenderService::post(RenderRequest request) {
+  const std::lock_guard lock(mutex_);
+  Slot& slot = slots_[static_cast<std::size_t>(request.tile)];
+  slot.request = std::move(request);
+  slot.stage = Stage::Draft;
+  lastPost_ = std::chrono::steady_clock::now();
+  refining_.request_stop();
+  changed_.notify_all();
+}
+
+void RenderService::forget(int tile) {
+  const std::lock_guard lock(mutex_);
+  Slot& slot = slots_[static_cast<std::size_t>(tile)];
+  slot.request.reset();
+  slot.finished.reset();
+  slot.stage = Stage::Done;
+  if (working_ == tile) refining_.request_stop();
+}
+
+std::vector<FinishedPicture> RenderService::take() {
+  const std::lock_guard lock(mutex_);
+  std::vector<FinishedPicture> all;
+  for (Slot& slot : slots_)
+    if (slot.finished) {
+      all.push_back(std::move(*slot.finished));
+      slot.finished.reset();
+    }
+  return all;
+}
+
+bool RenderService::idle() const {
+  const std::lock_guard lock(mutex_);
+  return !working_ && std::none_of(slots_.begin(), slots_.end(),
+                                   [](const Slot& s) { return s.stage != Stage::Done || s.finished; });
+}
+
+std::uint64_t RenderService::drawn() const {
+  const std::lock_guard lock(mutex_);
+  return drawn_;
+}
+
+FinishedPicture RenderService::draw(const RenderRequest& request, bool measure, Frame& reuse,
+                                    std::stop_token stop) {
+  FinishedPicture out;
+  out.tile = request.tile, out.generation = request.generation;
+  out.scene = request.scene, out.view = request.view;
+  const auto work = [&]() -> Result<void> {
+    if (const Result<void> known = describeSource(*request.session, out); !known) return known.error();
+    Quality quality;
+    quality.level = measure ? QualityLevel::Review : QualityLevel::Draft;
+    app::RenderOptions options;
+    options.measure = measure;
+    Result<app::Rendered> r =
+        request.session->render(request.scene, request.view, quality, options, stop, std::move(reuse));
+    if (!r) return r.error();
+    const Result<void> done = finish(*request.session, *r, request.scale, out);
+    reuse = std::move(r->frame);
+    return done;
+  };
+  if (const Result<void> done = guarded("picture", work); !done) out.error = done.error();
+  return out;
+}
+
+void RenderService::loop(std::stop_token stop) {
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    const auto due = [&](Stage stage) -> Slot* {
+      for (Slot& slot : slots_)
+        if (slot.stage == stage && slot.request) return &slot;
+      return nullptr;
+    };
+    Slot* slot = due(Stage::Draft);
+    if (!slot && (slot = due(Stage::Refine))) {
+      const auto begin = lastPost_ + std::chrono::milliseconds(kIdle_ms);
+      if (std::chrono::steady_clock::now() < begin) {
+        const auto seen = lastPost_;
+        changed_.wait_until(lock, stop, begin, [&] { return lastPost_ != seen; });
+        continue;
+      }
+    }
+    if (!slot) {
+      changed_.wait(lock, stop, [&] { return due(Stage::Draft) || due(Stage::Refine); });
+      continue;
+    }
+    const bool measure = slot->stage == Stage::Refine;
+    const RenderRequest request = *slot->request;
+    working_ = request.tile;
+    refining_ = std::stop_source();
+    const std::stop_token cancel = measure ? refining_.get_token() : stop;
+    lock.unlock();
+    FinishedPicture picture = draw(request, measure, slot->reuse, cancel);
+    lock.lock();
+    working_.reset();
+    // A newer request, or one that was forgotten, takes no picture of the old one; a draft is shown all the
+    // same, so that the picture moves while requests come faster than pictures.
+    const bool current = slot->request && slot->request->generation == request.generation;
+    const bool cancelled = picture.error && picture.error->code == ErrorCode::Cancelled;
+    if (current) slot->stage = measure && !cancelled ? Stage::Done : Stage::Refine;
+    if (current && !measure && picture.error) slot->stage = Stage::Done;
+    const bool useless = measure ? picture.error || !current : cancelled || (picture.error && !current);
+    if (useless || !slot->request) continue;  // a refinement that fails leaves the draft in sight
+    ++drawn_;
+    slot->finished = std::move(picture);
+    lock.unlock();
+    wake_();
+    lock.lock();
+  }
+}
+
+}  // namespace vernier::ui

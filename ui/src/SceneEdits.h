@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Edits of a Scene by hand: scroll, window, pan, zoom. Pure functions: a scene in, a scene out. Pixels are
+// those of the picture, x to the right, y down. Drags are given as the whole way from where the button went
+// down and applied to the scene of that moment, so that going back undoes them exactly.
+#pragma once
+#include <optional>
+
+#include "vernier/plan/Scene.h"
+
+namespace vernier::ui {
+
+// The layer that edits speak to: the topmost image or slice.
+const ImageLayer* imageOf(const Scene&);
+const SliceLayer* sliceOf(const Scene&);
+
+// One notch is exactly one image of the stack; stops at its ends.
+Scene scrolledImage(Scene, int notches, std::int64_t count);
+// One notch goes to the next voxel slice along the view's normal (Presets.h); the plane moves along its
+// normal only, so that the picture does not shift. From between two slices the first notch goes to the
+// nearer one in its direction. Stops at the volume's ends.
+Scene scrolledSlice(Scene, int notches, const GridGeometry&);
+// The voxel slice that the plane shows, counted from 0; nullopt between slices.
+std::optional<std::int64_t> sliceNumber(const SliceLayer&, const GridGeometry&);
+
+// CLINICAL: right is wider, up is brighter; 1 unit a pixel at width 500, in proportion at others. `inverted`:
+// high values are dark. `scale`: pixels of the screen for one pixel of the hand (2 at 200 %).
+VoiWindow draggedWindow(const VoiWindow& from, glm::dvec2 drag_px, bool inverted, double scale = 1);
+Scene withWindow(Scene, const VoiWindow&);
+
+// unit_mm: length of a pixel in the camera's unit (mm, or columns where the spacing is not known).
+Scene panned(Scene, glm::dvec2 drag_px, double unit_mm);
+// Up magnifies. The point that lies `fromCentre_px` from the picture's centre stays where it is.
+Scene zoomed(Scene, glm::dvec2 drag_px, glm::dvec2 fromCentre_px, double unit_mm, double scale = 1);
+
+// The plane moved along its normal until it holds the point.
+Plane through(Plane, PatientPoint);
+
+}  // namespace vernier::ui

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Workspace: what is on the desktop, and every edit of it. Tiles show scenes of sources; edits change the
+// scenes and nothing else. Pure state: no window, no thread, no pixels. For one thread.
+//
+// Undo: each edit that is not of the same gesture as the one before it begins a step; a drag is one gesture,
+// notches one after the other on one tile are one gesture.
+#pragma once
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "Place.h"
+
+namespace vernier::ui {
+
+inline constexpr int kTiles = 4;
+enum class Layout { Single, Pair, Quad };
+constexpr int tilesOf(Layout l) { return l == Layout::Single ? 1 : l == Layout::Pair ? 2 : 4; }
+
+struct Tile {
+  SourceId source;    // document -1: empty
+  std::string view;   // "stack", "axial", "coronal", "sagittal", "oblique"
+  Scene scene;
+  bool empty() const { return source.document < 0; }
+  friend bool operator==(const Tile&, const Tile&) = default;
+};
+
+// All that undo brings back.
+struct Arrangement {
+  Layout layout = Layout::Single;
+  std::array<Tile, kTiles> tiles;
+  int active = 0;
+  std::optional<int> maximised;
+  // Where the linked planes cross, one for each link key.
+  std::map<std::string, PatientPoint> crosshairs;
+  friend bool operator==(const Arrangement&, const Arrangement&) = default;
+};
+
+enum class Gesture { Open, Layout, Scroll, Window, Pan, Zoom, Crosshair, Reset, Invert };
+
+// A window to choose: of the file, of the list of CT presets, automatic.
+struct WindowChoice {
+  std::string name;
+  std::optional<VoiWindow> window;  // absent: the file's default
+  std::optional<int> voiLut;
+};
+
+class Workspace {
+ public:
+  const Arrangement& now() const { return now_; }
+  const Tile& tile(int t) const { return now_.tiles[static_cast<std::size_t>(t)]; }
+  // Tiles on the screen, in reading order.
+  std::vector<int> shown() const;
+
+  // What is known of sources; facts come before the first tile that shows them.
+  void know(SourceFacts);
+  const SourceFacts* facts(const SourceId&) const;
+  const SourceFacts* factsOfTile(int t) const { return facts(tile(t).source); }
+  // The grid of a built volume (slices that could not be decoded are not in it) replaces the stack's.
+  void knowGrid(const SourceId&, const GridGeometry&);
+  // Forgets what was opened from a document: its tiles become empty and the steps of undo are gone.
+  void forget(int document);
+
+  void setActive(int t);
+  // The stack view of a source at its middle slice; a volume file opens as axial.
+  void open(const SourceId&, int t);
+  void setLayout(Layout);
+  // One tile with the stack of the active tile's source, at the image nearest to the crosshair when it showed
+  // reformats.
+  void openStack();
+  // 2x2 with axial, coronal, sagittal and oblique of the active tile's source, through the crosshair and the
+  // image that was shown. A refusal says why not.
+  Result<void> openMpr();
+  // Another stack of the same layout (the next time point) in place of the tile's, all else as it is.
+  void replaceSource(int t, const SourceId&);
+  void toggleMaximised(int t);
+
+  void scroll(int t, int notches);
+  void setImage(int t, std::int64_t index);
+  // To all tiles of the same source.
+  void setWindow(int t, const VoiWindow&);
+  void choose(int t, const WindowChoice&);
+  void invert(int t);
+  void resetView(int t);
+  // Scenes made from the one at the drag's begin.
+  void setScene(int t, Gesture, Scene);
+  // Moves the planes of all tiles that share the frame of reference through the point; stacks go to the
+  // nearest of their images.
+  void moveCrosshair(int t, PatientPoint);
+  std::optional<PatientPoint> crosshair(int t) const;
+  bool linked(int a, int b) const;
+
+  // Everything until endDrag() is one step of undo.
+  void beginDrag();
+  void endDrag();
+  bool canUndo() const { return !past_.empty(); }
+  bool canRedo() const { return !future_.empty(); }
+  void undo();
+  void redo();
+
+  // True while two shown tiles are of different people.
+  bool differentPeople() const;
+
+ private:
+  Arrangement& edit(Gesture, int t);
+  Tile& at(int t) { return now_.tiles[static_cast<std::size_t>(t)]; }
+  void placeThrough(Arrangement&, const std::string& linkKey, PatientPoint);
+  std::optional<Scene> sceneFor(const SourceFacts&, const std::string& view) const;
+  PatientPoint firstCrosshair(const SourceFacts&, const Scene& shown) const;
+
+  struct GestureKey {
+    Gesture kind;
+    int tile;
+    int drag;
+    friend bool operator==(const GestureKey&, const GestureKey&) = default;
+  };
+  Arrangement now_;
+  std::vector<Arrangement> past_, future_;
+  std::optional<GestureKey> last_;
+  int drags_ = 0;
+  bool dragging_ = false;
+  std::map<SourceId, std::shared_ptr<SourceFacts>> facts_;
+};
+
+// The keys 1..9 and the menu: CT presets for HU, else the file's windows and LUTs, automatic, full range.
+struct WindowFacts {
+  std::string unit;
+  std::vector<VoiWindow> windows;
+  std::vector<LutTable> voiLuts;
+  VoiWindow automatic;
+  std::optional<std::pair<double, double>> range;  // least and greatest modality value
+};
+std::vector<WindowChoice> windowChoices(const WindowFacts&);
+
+}  // namespace vernier::ui

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Help, the notice at first start, and messages.
+#include "Gui.h"
+
+namespace vernier::ui {
+namespace {
+
+struct Binding {
+  const char *what, *how;
+};
+constexpr Binding kBindings[] = {
+    {"Left drag", "the tool chosen above; Window at first: right wider, up brighter"},
+    {"Ctrl + left drag", "moves the crosshair"},
+    {"Middle drag", "moves the picture"},
+    {"Right drag", "magnifies: up larger"},
+    {"Wheel", "one slice a notch"},
+    {"Shift + wheel", "next time point or echo, where the series has them"},
+    {"Up, Down", "one slice"},
+    {"Home, End", "first and last slice"},
+    {"Double click", "one picture alone, and back"},
+    {"0", "the file's own window"},
+    {"1 .. 9", "window presets, as numbered in the menu"},
+    {"W  C  P  Z  S", "tools: Window, Crosshair, Pan, Zoom, Scroll"},
+    {"I", "inverts"},
+    {"R", "whole picture in sight again"},
+    {"F2  F3  F4", "stack, two side by side, MPR"},
+    {"Ctrl+Z, Ctrl+Y", "undo, redo"},
+    {"Ctrl+B", "shows or hides the list of studies"},
+    {"Esc", "cancels loading, closes this"},
+    {"Ctrl+Q", "quits"},
+};
+
+constexpr ImGuiWindowFlags kDialog = ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
+                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize |
+                                     ImGuiWindowFlags_NoTitleBar;
+
+void centred() {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+}
+
+}  // namespace
+
+void Gui::help() {
+  if (!help_) return;
+  centred();
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, colour::kRaised);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme_.px(22), theme_.px(18)});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
+  ImGui::Begin("##help", nullptr, kDialog);
+  ImGui::PushFont(theme_.bold);
+  ImGui::TextUnformatted("Mouse and keys");
+  ImGui::PopFont();
+  ImGui::Dummy({0, theme_.px(4)});
+  if (ImGui::BeginTable("##bindings", 2, ImGuiTableFlags_SizingFixedFit)) {
+    for (const Binding& b : kBindings) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(b.what);
+      ImGui::SameLine(0, theme_.px(24));
+      ImGui::Dummy({0, 0});
+      ImGui::TableNextColumn();
+      ImGui::TextDisabled("%s", b.how);
+    }
+    ImGui::EndTable();
+  }
+  ImGui::Dummy({0, theme_.px(6)});
+  if (ImGui::Button("Close", {theme_.px(96), 0})) help_ = false;
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+  ImGui::PopStyleColor();
+}
+
+void Gui::notice() {
+  if (!notice_) return;
+  centred();
+  ImGui::SetNextWindowFocus();
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, colour::kRaised);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme_.px(24), theme_.px(20)});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
+  ImGui::Begin("##notice", nullptr, kDialog);
+  ImGui::PushFont(theme_.bold);
+  ImGui::TextUnformatted("Vernier is not a medical device");
+  ImGui::PopFont();
+  ImGui::Dummy({0, theme_.px(2)});
+  ImGui::PushTextWrapPos(theme_.px(440));
+  ImGui::TextUnformatted("It is made for review, for planning and for checking images. It is not for primary diagnosis.");
+  ImGui::PopTextWrapPos();
+  ImGui::Dummy({0, theme_.px(8)});
+  if (ImGui::Button("Understood", {theme_.px(120), 0}) || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false)) {
+    notice_ = false;
+    if (noticeAccepted_) noticeAccepted_();
+  }
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+  ImGui::PopStyleColor();
+}
+
+void Gui::messages(Rect r) {
+  std::vector<std::string> all = desk_.messages();
+  if (!why_.empty()) all.push_back(why_);
+  if (all.empty()) return;
+  const float width = std::min(r.w - theme_.px(40), theme_.px(560));
+  ImGui::SetNextWindowPos({r.x + r.w / 2, r.y + r.h - theme_.px(18)}, ImGuiCond_Always, {0.5f, 1});
+  ImGui::SetNextWindowSize({width, 0});
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, colour::kRaised);
+  ImGui::PushStyleColor(ImGuiCol_Border, colour::kAmber);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, theme_.px(5));
+  ImGui::Begin("##messages", nullptr, kDialog | ImGuiWindowFlags_NoFocusOnAppearing);
+  ImGui::PushTextWrapPos(width - theme_.px(90));
+  const std::size_t first = all.size() > 3 ? all.size() - 3 : 0;
+  for (std::size_t k = first; k < all.size(); ++k) ImGui::TextUnformatted(all[k].c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::SetCursorPos({width - theme_.px(78), theme_.px(7)});
+  if (ImGui::Button("Close", {theme_.px(68), 0})) {
+    why_.clear();
+    desk_.dismissMessages();
+  }
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+  ImGui::PopStyleColor(2);
+}
+
+}  // namespace vernier::ui

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Gui: what the window shows, drawn from the Desk each frame, and what hands do to it. Knows ImGui, not GLFW:
+// the Host feeds input and shows the result.
+#pragma once
+#include <string>
+
+#include "Desk.h"
+#include "Textures.h"
+#include "Theme.h"
+
+namespace vernier::ui {
+
+enum class Tool { Window, Crosshair, Pan, Zoom, Scroll };
+
+class Gui {
+ public:
+  Gui(Desk& desk, Textures& textures) : desk_(desk), textures_(textures) {}
+  void setTheme(Theme theme) { theme_ = theme; }
+
+  // Between ImGui::NewFrame() and ImGui::Render().
+  void frame();
+
+  void showNotice(std::function<void()> accepted) { noticeAccepted_ = std::move(accepted), notice_ = true; }
+  bool wantsToQuit() const { return quit_; }
+  Tool tool() const { return tool_; }
+
+ private:
+  struct Rect {
+    float x = 0, y = 0, w = 0, h = 0;
+  };
+  struct Drag {
+    int tile = -1;
+    int button = 0;
+    Tool tool = Tool::Window;
+    ImVec2 begin{};
+    Scene scene;
+    VoiWindow window;
+    bool inverted = false;
+    double unit_mm = 1;
+    glm::dvec2 fromCentre_px{0, 0};
+    int scrolled = 0;
+  };
+
+  // Gui.cpp
+  void keys();
+  void topBar(Rect, bool twoRows);
+  void layoutButtons();
+  void toolButtons();
+  void windowMenu();
+  void viewButtons();
+  void historyButtons();
+  bool toggle(const char* label, bool on, const char* hint);
+  void statusBar(Rect);
+  // TilePanel.cpp
+  void tiles(Rect);
+  void tile(int t, Rect);
+  void tileHeader(int t, Rect);
+  void picture(int t, Rect);
+  void references(int t, Rect);
+  void emptyTile(Rect);
+  void volumeState(int t, Rect);
+  void sentence(Rect, const char* headline, const std::string& text, ImU32 headlineColour);
+  void hands(int t, Rect, bool hovered);
+  void beginDrag(int t, int button, Rect);
+  void drag();
+  void hoverDetails(int t, Rect);
+  void probe(int t, Rect);
+  // BrowserPanel.cpp
+  void browser(Rect);
+  void openField();
+  void document(Document&);
+  void stackRow(Document&, const Series&, const Stack&, const SourceId&, const std::string& title,
+                const std::string& about);
+  void badge(const std::vector<const Finding*>&, ImVec2 at);
+  // Dialogs.cpp
+  void help();
+  void notice();
+  void messages(Rect);
+
+  Desk& desk_;
+  Textures& textures_;
+  Theme theme_;
+  Tool tool_ = Tool::Window;
+  std::optional<Drag> drag_;
+  float wheel_ = 0;  // parts of a notch
+  Probe probe_;
+  std::string why_;  // why the last thing asked for could not be had
+  char path_[4096] = "";
+  bool help_ = false, quit_ = false, notice_ = false, browserShown_ = true;
+  std::function<void()> noticeAccepted_;
+};
+
+}  // namespace vernier::ui
