@@ -5,6 +5,7 @@
 
 #include "../unit/volume/Grids.h"
 #include "RenderForTest.h"
+#include "vernier/plan/PictureGeometry.h"
 
 namespace vernier {
 namespace {
