@@ -40,6 +40,7 @@ mapfile -t packages < <(python3 "$here/closure.py" "$deb" base-files dash coreut
 mkdir -p "$root"/var/lib/dpkg/{info,updates,triggers} "$root"/{tmp,dev,proc,usr/bin,usr/lib,usr/lib64,usr/sbin}
 for d in bin lib lib64 sbin; do ln -s "usr/$d" "$root/$d"; done
 dpkg-query -s "${packages[@]}" >"$root/var/lib/dpkg/status"
+for p in "${packages[@]}"; do cp /var/lib/dpkg/info/"$p"{,:*}.list "$root/var/lib/dpkg/info" 2>/dev/null || true; done
 dpkg-query -L "${packages[@]}" | grep '^/.' | sort -u |
   sed 's#^/\(bin\|lib\|lib64\|sbin\)/#/usr/\1/#; s#^/##' |
   grep -v -e '^usr/share/\(doc\|man\|locale\)/' -e '^\(bin\|lib\|lib64\|sbin\)$' |
@@ -52,7 +53,7 @@ list >"$build/packages/before.txt"
 
 say "installed, run, removed"
 dpkg --root="$root" --log=/dev/null -i "$deb" >"$build/packages/dpkg.log" 2>&1 || { cat "$build/packages/dpkg.log"; fail "dpkg -i"; }
-inside() { env -i PATH=/usr/bin HOME=/tmp LC_ALL=C.UTF-8 chroot "$root" "$@"; }
+inside() { chroot "$root" /usr/bin/env -i PATH=/usr/bin HOME=/tmp LC_ALL=C.UTF-8 "$@"; }
 inside vernier plugins --json >"$build/packages/plugins.json"
 inside vernier phantom small-ct --out /tmp/study >/dev/null
 inside vernier render /tmp/study --view oblique --size 256x256 --out /tmp/inside.png --report /tmp/inside.json

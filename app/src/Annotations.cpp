@@ -81,6 +81,11 @@ Result<Annotations> annotationsFor(Session& session, const Scene& scene, const V
     break;
   }
   if (showsNothing(r.frame.images)) a.what.push_back({kNoDataHere, "no data", Tone::Amber});
+  for (const Layer& layer : scene.layers)  // what a plugin has drawn over the picture is said too
+    if (const auto* custom = std::get_if<CustomLayer>(&layer); custom && session.draws(custom->kind)) {
+      const Panel* panel = session.panelOf(custom->kind);
+      a.what.push_back({"+ " + (panel ? panel->title : custom->kind), "", Tone::Normal});
+    }
   for (const std::string& note : r.plan.notes) a.what.push_back({note, "", Tone::Amber});
   if (r.error && r.error->bound) {
     TextLine line = errorLine(*r.error->bound, static_cast<int>(100 * r.error->share), limit);

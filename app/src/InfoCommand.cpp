@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 
@@ -28,12 +29,14 @@ int run(const GlobalOptions& global, const Options& o) {
   InfoOptions info;
   info.pixels = o.pixels;
   const StudySet& study = session->study();
-  std::cout << (o.json ? infoJson(study, info) : infoText(study)) << std::flush;
-  if (study.instances.empty() && !session->isMetaImage()) {
+  const std::vector<VolumeFile>& volumes = session->volumeFiles();
+  std::cout << (o.json ? infoJson(study, info, volumes) : infoText(study, volumes)) << std::flush;
+  const bool anyVolume = std::any_of(volumes.begin(), volumes.end(), [](const VolumeFile& v) { return v.facts.has_value(); });
+  if (study.instances.empty() && !anyVolume) {
     if (study.files.size() == 1 && study.files[0].error) return report(*study.files[0].error);
     return report(makeError(ErrorCode::NothingToLoad,
-                            "No DICOM object was found among " + std::to_string(study.files.size()) +
-                                " files; a MetaImage is opened by naming its .mhd or .mha file itself.",
+                            "No DICOM object and no volume file was found among " +
+                                std::to_string(study.files.size()) + " files.",
                             nameOf(o.inputs.front())));
   }
   return 0;
@@ -43,10 +46,10 @@ int run(const GlobalOptions& global, const Options& o) {
 Command addInfo(CLI::App& app, GlobalOptions& global) {
   const auto o = std::make_shared<Options>();
   CLI::App* sub = app.add_subcommand("info", "Patients, studies, series, geometry and findings of an input");
-  sub->add_option("INPUT", o->inputs, "Files or folders")->required();
+  sub->add_option("INPUT", o->inputs, "Files, folders or ZIP archives (docs/files.md)")->required();
   sub->add_flag("--json", o->json, "JSON on standard output");
   sub->add_flag("--pixels", o->pixels, "Decode all images too: SHA-256, extrema, probes (JSON only)");
-  sub->footer("Examples:\n  vernier info STUDY\n  vernier info STUDY --json --pixels > facts.json");
+  sub->footer("Examples:\n  vernier info STUDY\n  vernier info study.zip\n  vernier info T1.nii.gz\n  vernier info /media/cdrom/DICOMDIR\n  vernier info STUDY --json --pixels > facts.json");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 

@@ -6,12 +6,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "InfoParts.h"
 #include "PixelFacts.h"
 #include "vernier/base/Threads.h"
 
 namespace vernier {
 namespace {
-using Json = nlohmann::ordered_json;
+using vernier::toJson;  // beside those below
 
 const char* nameOf(FileKind k) {
   switch (k) {
@@ -27,19 +28,8 @@ const char* nameOf(FileKind k) {
       return "unreadable";
     case FileKind::NotDicom:
       return "not DICOM";
-  }
-  return "";
-}
-const char* nameOf(Severity s) {
-  switch (s) {
-    case Severity::Info:
-      return "info";
-    case Severity::Notice:
-      return "notice";
-    case Severity::Warning:
-      return "warning";
-    case Severity::Refusal:
-      return "refusal";
+    case FileKind::Volume:
+      return "volume file";
   }
   return "";
 }
@@ -70,24 +60,6 @@ const char* nameOf(Identity i) {
       return "conflict";
   }
   return "";
-}
-
-Json toJson(const glm::dvec3& v) { return Json::array({v.x, v.y, v.z}); }
-Json toJson(const FindingValue& v) {
-  return std::visit([](const auto& x) { return Json(x); }, v);
-}
-Json toJson(const Finding& f) {
-  Json j{{"code", f.code}, {"severity", nameOf(f.severity)}, {"sentence", f.sentence}};
-  for (const auto& [key, value] : f.numbers) j[key] = toJson(value);
-  return j;
-}
-Json toJson(const std::vector<Finding>& findings) {
-  Json list = Json::array();
-  for (const Finding& f : findings) list.push_back(toJson(f));
-  return list;
-}
-Json toJson(const Error& e) {
-  return {{"code", std::string(errorName(e.code))}, {"sentence", e.sentence}, {"where", e.where}};
 }
 
 Json rangeOf(const std::vector<double>& v) {
@@ -162,10 +134,7 @@ Json toJson(const StudySet& set, const Stack& s) {
     j["column_direction_lps"] = toJson(first.plane->columnDirection.v);
   }
   if (s.shape != StackShape::NoGeometry) {
-    const glm::dmat4 m = s.grid.patientFromVoxel.matrix();
-    Json rows = Json::array();
-    for (int r = 0; r < 4; ++r) rows.push_back({m[0][r], m[1][r], m[2][r], m[3][r]});
-    j["patient_from_voxel"] = std::move(rows);
+    j["patient_from_voxel"] = toJson(s.grid.patientFromVoxel);
     j["gap_after_slice"] = s.grid.gapAfter;
     j["true_positions_kept"] = !s.grid.even();
   }
@@ -369,7 +338,7 @@ Json totalsJson(const StudySet& set) {
 
 }  // namespace
 
-std::string infoJson(const StudySet& set, const InfoOptions& options) {
+std::string infoJson(const StudySet& set, const InfoOptions& options, const std::vector<VolumeFile>& volumes) {
   Json j{{"schema", "vernier-info/1"}, {"totals", totalsJson(set)}};
   j["patients"] = Json::array();
   for (const Patient& p : set.patients)
@@ -391,6 +360,7 @@ std::string infoJson(const StudySet& set, const InfoOptions& options) {
   for (const Series& s : set.series) j["series"].push_back(toJson(set, s));
   j["findings"] = toJson(set.findings);
   j["objects"] = objectsJson(set, options);
+  j["volume_files"] = volumeFilesJson(set, volumes, options);
   j["files"] = Json::array();
   for (const FileRecord& f : set.files) {
     Json file{{"file", f.shown}, {"bytes", f.bytes}, {"kind", nameOf(f.kind)}};

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "vernier/study/Load.h"
+#include "vernier/volume/VolumeFile.h"
 
 namespace vernier {
 
@@ -19,7 +20,7 @@ struct InfoOptions {
   std::vector<InfoProbe> probes;
 };
 
-std::string infoJson(const StudySet&, const InfoOptions& = {});
-std::string infoText(const StudySet&);
+std::string infoJson(const StudySet&, const InfoOptions& = {}, const std::vector<VolumeFile>& = {});
+std::string infoText(const StudySet&, const std::vector<VolumeFile>& = {});
 
 }  // namespace vernier

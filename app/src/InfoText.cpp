@@ -145,9 +145,26 @@ void addSeries(const StudySet& set, std::size_t index, std::string& out) {
   addFindings(s.findings, "      ", out);
 }
 
+// Numbered after the series, as --series takes them.
+void addVolumeFile(const StudySet& set, const VolumeFile& v, std::size_t index, std::string& out) {
+  out += "Volume file " + std::to_string(index + 1) + "  " + safe(set.files[v.file].shown);
+  if (!v.facts) {
+    out += "\n";
+    return;
+  }
+  const VolumeInfo& i = v.facts->info;
+  const glm::dvec3 s = i.grid.spacing_mm();
+  out += "  " + v.facts->format + "\n  " + std::to_string(i.grid.columns) + "x" + std::to_string(i.grid.rows) + "x" +
+         std::to_string(i.grid.slices) + " voxels of " + v.facts->storedType + ", " + number(s.x, 4) + "x" +
+         number(s.y, 4) + "x" + number(s.z, 4) + " mm, unit " + safe(i.unit);
+  if (v.facts->frames > 1) out += ", " + count(static_cast<std::size_t>(v.facts->frames), "frame");
+  out += "\n";
+  addFindings(i.findings, "         ", out);
+}
+
 }  // namespace
 
-std::string infoText(const StudySet& set) {
+std::string infoText(const StudySet& set, const std::vector<VolumeFile>& volumes) {
   std::string out;
   std::set<std::size_t> shown;  // a damaged study may stand under several patients
   for (const Patient& p : set.patients) {
@@ -162,6 +179,7 @@ std::string infoText(const StudySet& set) {
       for (const std::size_t s : study.series) addSeries(set, s, out);
     }
   }
+  for (std::size_t v = 0; v < volumes.size(); ++v) addVolumeFile(set, volumes[v], set.series.size() + v, out);
   addFindings(set.findings, "", out);
   std::size_t directories = 0, noObject = 0, notDicom = 0;
   for (const FileRecord& f : set.files) {
@@ -175,6 +193,7 @@ std::string infoText(const StudySet& set) {
   out += count(set.files.size(), "file") + ": " + count(set.patients.size(), "patient") + ", " +
          std::to_string(set.studies.size()) + (set.studies.size() == 1 ? " study, " : " studies, ") +
          count(set.series.size(), "series") + ", " + count(set.instances.size(), "object");
+  if (!volumes.empty()) out += "; " + count(volumes.size(), "volume file");
   if (directories > 0) out += "; " + count(directories, "DICOMDIR");
   if (noObject > 0) out += "; " + count(noObject, "file") + " without a readable object";
   if (notDicom > 0) out += "; " + count(notDicom, "file") + " not DICOM";

@@ -69,8 +69,10 @@ Result<void> keepSources(const Session* session, const std::vector<std::string>&
   if (output.empty() || !std::filesystem::exists(output, ec)) return {};
   const auto same = [&](const std::string& p) { return std::filesystem::equivalent(p, output, ec) && !ec; };
   bool hit = std::any_of(inputs.begin(), inputs.end(), same);
-  if (session)
+  if (session) {
     for (const FileRecord& f : session->study().files) hit = hit || same(f.path);
+    for (const VolumeFile& v : session->volumeFiles()) hit = hit || (v.facts && same(v.facts->dataFile.path));
+  }
   if (hit)
     return makeError(ErrorCode::WouldOverwriteSource,
                      "The output would overwrite a file of the input; name another.", option);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <filesystem>
 #include <tuple>
 
 #include "SessionImpl.h"
@@ -12,12 +11,6 @@
 
 namespace vernier::app {
 namespace {
-
-bool looksLikeMetaImage(const std::string& path) {
-  std::string ext = std::filesystem::path(path).extension().string();
-  for (char& c : ext) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ext == ".mhd" || ext == ".mha";
-}
 
 // Segmentations and doses lie over pictures; they come first only where there is nothing else.
 bool isPicture(const StudySet& study, const Stack& stack) {
@@ -55,12 +48,23 @@ Session::Session(const SessionOptions& o) {
 Session::~Session() = default;
 
 const StudySet& Session::study() const { return impl_->study; }
-bool Session::isMetaImage() const { return impl_->metaImage != nullptr; }
+const std::vector<VolumeFile>& Session::volumeFiles() const { return impl_->volumeFiles; }
 const std::vector<PluginInfo>& Session::plugins() const { return impl_->plugins.plugins(); }
+bool Session::draws(const std::string& kind) const {
+  return !impl_->plugins.techniques().drawing(kind).empty();
+}
 const Panel* Session::panelOf(const std::string& kind) const { return impl_->plugins.panelOf(kind); }
 CostTable& Session::costs() { return impl_->costs; }
 MemoryBudget& Session::budget() { return impl_->budget; }
 void Session::use(StackChoice c) { impl_->chosen = c; }
+void Session::readVolumeFilesWith(std::optional<std::int64_t> frame, std::optional<double> zSpan) {
+  if (impl_->fileFrame != frame || impl_->zSpan != zSpan) {
+    impl_->volumes.clear();
+    impl_->images.clear();
+  }
+  impl_->fileFrame = frame;
+  impl_->zSpan = zSpan;
+}
 void Session::bridgeGaps(bool on) {
   if (impl_->bridge != on) impl_->volumes.clear();
   impl_->bridge = on;
@@ -70,59 +74,75 @@ Result<void> Session::open(const std::vector<std::string>& paths, const Progress
                            std::stop_token stop) {
   const TraceSpan span("open");
   impl_->study = {};
-  impl_->metaImage = nullptr;
+  impl_->volumeFiles.clear();
   impl_->chosen.reset();
   impl_->volumes.clear();
   impl_->images.clear();
-  if (paths.size() == 1 && looksLikeMetaImage(paths[0])) {
-    BuildOptions options;
-    options.budget = &impl_->budget;
-    Result<std::shared_ptr<const Volume>> volume = readMetaImage(paths[0], options);
-    if (!volume) return volume.error();
-    impl_->metaImage = std::move(*volume);
-    return {};
-  }
   Result<StudySet> set = scanStudy(paths, progress, stop);
   if (!set) return set.error();
   impl_->study = std::move(*set);
+  impl_->volumeFiles = findVolumeFiles(impl_->study);
   return {};
 }
 
 const Series* Session::seriesOf(StackChoice c) const {
-  return c.series < impl_->study.series.size() ? &impl_->study.series[c.series] : nullptr;
+  return !c.volumeFile && c.series < impl_->study.series.size() ? &impl_->study.series[c.series] : nullptr;
 }
 const Stack* Session::stackOf(StackChoice c) const {
   const Series* s = seriesOf(c);
   return s && c.stack < s->stacks.size() ? &s->stacks[c.stack] : nullptr;
 }
 
+const VolumeFile* Session::volumeFileOf(StackChoice c) const {
+  return c.volumeFile && *c.volumeFile < impl_->volumeFiles.size() ? &impl_->volumeFiles[*c.volumeFile] : nullptr;
+}
+
 const Series* Session::chosenSeries() const { return impl_->chosen ? seriesOf(*impl_->chosen) : nullptr; }
 const Stack* Session::chosenStack() const { return impl_->chosen ? stackOf(*impl_->chosen) : nullptr; }
+const VolumeFile* Session::chosenVolumeFile() const {
+  return impl_->chosen ? volumeFileOf(*impl_->chosen) : nullptr;
+}
 int Session::threadCount() const { return threads(); }
 std::uint64_t Session::derivedBytes() const { return impl_->derivedBytes; }
 std::shared_ptr<const Volume> Session::builtVolume() const {
-  if (impl_->metaImage) return impl_->metaImage;
   if (!impl_->chosen) return nullptr;
-  const auto it = impl_->volumes.find({impl_->chosen->series, impl_->chosen->stack});
+  const auto it = impl_->volumes.find(*impl_->chosen);
   return it == impl_->volumes.end() ? nullptr : it->second;
 }
+
+namespace {
+
+// The largest that can be shown in 3-D, else the largest image stack; of equals the first.
+std::optional<StackChoice> largest(const StudySet& study, const std::vector<VolumeFile>& volumeFiles) {
+  std::optional<StackChoice> best;
+  std::tuple<bool, bool, std::int64_t> bestRank;
+  const auto offer = [&](StackChoice c, bool picture, bool volume3d, std::int64_t slices) {
+    const std::tuple<bool, bool, std::int64_t> rank{picture, volume3d, slices};
+    if (best && rank <= bestRank) return;
+    best = c;
+    bestRank = rank;
+  };
+  for (std::size_t s = 0; s < study.series.size(); ++s)
+    for (std::size_t k = 0; k < study.series[s].stacks.size(); ++k) {
+      const Stack& stack = study.series[s].stacks[k];
+      offer({s, k, {}}, isPicture(study, stack), stack.volume3d, static_cast<std::int64_t>(stack.slices.size()));
+    }
+  for (std::size_t v = 0; v < volumeFiles.size(); ++v)
+    if (volumeFiles[v].facts) offer({0, 0, v}, true, true, volumeFiles[v].facts->info.grid.slices);
+  return best;
+}
+
+}  // namespace
 
 Result<StackChoice> Session::choose(const std::string& wanted) const {
   const auto& series = impl_->study.series;
   if (wanted.empty()) {
-    std::optional<StackChoice> best;
-    std::tuple<bool, bool, std::size_t> bestRank;
-    for (std::size_t s = 0; s < series.size(); ++s)
-      for (std::size_t k = 0; k < series[s].stacks.size(); ++k) {
-        const Stack& stack = series[s].stacks[k];
-        const std::tuple<bool, bool, std::size_t> rank{isPicture(impl_->study, stack), stack.volume3d,
-                                                       stack.slices.size()};
-        if (best && rank <= bestRank) continue;
-        best = StackChoice{s, k};
-        bestRank = rank;
-      }
-    if (best) return *best;
+    if (const auto best = largest(impl_->study, impl_->volumeFiles)) return *best;
     return whyNothingIsShown(impl_->study);
+  }
+  if (const auto v = impl_->volumeFileNamed(wanted)) {
+    if (impl_->volumeFiles[*v].error) return *impl_->volumeFiles[*v].error;
+    return StackChoice{0, 0, v};
   }
   const std::size_t hash = wanted.find('#');
   const std::string name = wanted.substr(0, hash);
@@ -134,8 +154,8 @@ Result<StackChoice> Session::choose(const std::string& wanted) const {
         std::find_if(series.begin(), series.end(), [&](const Series& s) { return s.seriesUid == name; });
     if (it == series.end())
       return makeError(ErrorCode::SeriesNotFound,
-                       "No series has this UID or number; `vernier info` numbers the " +
-                           std::to_string(series.size()) + " series.",
+                       "No series or volume file has this UID, number or name; `vernier info` numbers the " +
+                           std::to_string(series.size() + impl_->volumeFiles.size()) + " that there are.",
                        "--series");
     choice.series = static_cast<std::size_t>(it - series.begin());
   }
@@ -163,19 +183,32 @@ Result<StackChoice> resolve(const Session& session, const std::optional<StackCho
 
 Result<std::shared_ptr<const Volume>> Session::volume(const std::string& source, const ProgressFn& progress,
                                                       std::stop_token stop) {
-  if (impl_->metaImage) return impl_->metaImage;
   const Result<StackChoice> c = resolve(*this, impl_->chosen, source);
   if (!c) return c.error();
-  auto& slot = impl_->volumes[{c->series, c->stack}];
+  auto& slot = impl_->volumes[*c];
   if (slot) return slot;
   const TraceSpan span("build volume");
   BuildOptions options;
   options.budget = &impl_->budget;
   options.bridgeGaps = impl_->bridge;
+  options.frame = impl_->fileFrame;
+  options.zSpan = impl_->zSpan;
+  const VolumeFile* const file = volumeFileOf(*c);
   Result<std::shared_ptr<const Volume>> built =
-      buildVolume(impl_->study, *seriesOf(*c), *stackOf(*c), options, progress, stop);
+      file ? readVolumeFile(impl_->study.files[file->file], options, progress, stop)
+           : buildVolume(impl_->study, *seriesOf(*c), *stackOf(*c), options, progress, stop);
   if (built) slot = *built;
   return built;
+}
+
+// By name, or by its number in `info`, which follows those of the series.
+std::optional<std::size_t> Session::Impl::volumeFileNamed(const std::string& wanted) const {
+  const std::size_t before = study.series.size();
+  if (const auto n = positiveNumber(wanted); n && *n > before && *n <= before + volumeFiles.size())
+    return *n - before - 1;
+  for (std::size_t v = 0; v < volumeFiles.size(); ++v)
+    if (study.files[volumeFiles[v].file].shown == wanted) return v;
+  return std::nullopt;
 }
 
 VoiWindow Session::Impl::windowOf(const Volume& volume) {
@@ -189,30 +222,32 @@ VoiWindow Session::Impl::windowOf(const Volume& volume) {
 VoiWindow Session::defaultWindowOf(const Volume& volume) const { return impl_->windowOf(volume); }
 
 Result<std::int64_t> Session::imageCount(const std::string& source) const {
-  if (impl_->metaImage) return impl_->metaImage->grid().slices;
   const Result<StackChoice> c = resolve(*this, impl_->chosen, source);
   if (!c) return c.error();
+  if (const VolumeFile* file = volumeFileOf(*c)) return file->facts->info.grid.slices;
   return static_cast<std::int64_t>(stackOf(*c)->slices.size());
 }
 
 Result<std::shared_ptr<const ImageFrame>> Session::image(const std::string& source, std::int64_t index) {
-  if (impl_->metaImage)
-    return makeError(
-        ErrorCode::NothingToLoad,
-        "A MetaImage volume has no stored frames; use the views axial, coronal, sagittal or oblique.",
-        "stack");
   const Result<StackChoice> c = resolve(*this, impl_->chosen, source);
   if (!c) return c.error();
-  const Stack& stack = *stackOf(*c);
-  if (index < 0 || index >= static_cast<std::int64_t>(stack.slices.size()))
+  const Result<std::int64_t> count = imageCount(source);
+  if (!count) return count.error();
+  if (index < 0 || index >= *count)
     return makeError(ErrorCode::OptionInvalid,
-                     "The stack has slices 0 to " + std::to_string(stack.slices.size() - 1) + ", got " +
+                     "The stack has slices 0 to " + std::to_string(*count - 1) + ", got " +
                          std::to_string(index) + ".",
                      "--slice");
-  auto& slot = impl_->images[{c->series, c->stack, index}];
+  auto& slot = impl_->images[{*c, index}];
   if (slot) return slot;
-  Result<std::shared_ptr<const ImageFrame>> built =
-      buildImageFrame(impl_->study, *seriesOf(*c), stack, static_cast<std::size_t>(index));
+  const auto build = [&]() -> Result<std::shared_ptr<const ImageFrame>> {
+    if (!c->volumeFile)
+      return buildImageFrame(impl_->study, *seriesOf(*c), *stackOf(*c), static_cast<std::size_t>(index));
+    const auto v = volume(source);
+    if (!v) return v.error();
+    return imageOfVolume(**v, index, impl_->windowOf(**v));
+  };
+  Result<std::shared_ptr<const ImageFrame>> built = build();
   if (built) slot = *built;
   return built;
 }

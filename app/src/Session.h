@@ -16,7 +16,7 @@
 #include "vernier/plan/MakePlan.h"
 #include "vernier/quality/Ladder.h"
 #include "vernier/study/Load.h"
-#include "vernier/volume/Build.h"
+#include "vernier/volume/VolumeFile.h"
 
 namespace vernier::app {
 
@@ -47,9 +47,12 @@ struct RenderOptions {
   bool explain = false;                // as in plan()
 };
 
-// Which stack of what was opened. Sources in scenes are named "" (the chosen one), "UID" or "UID#stack".
+// Which stack, or which volume file, of what was opened. Sources in scenes are named "" (the chosen one), "UID",
+// "UID#stack" or by a volume file's name.
 struct StackChoice {
   std::size_t series = 0, stack = 0;
+  std::optional<std::size_t> volumeFile;  // position in Session::volumeFiles(); series and stack then mean nothing
+  friend auto operator<=>(const StackChoice&, const StackChoice&) = default;
 };
 
 class Session {
@@ -57,20 +60,22 @@ class Session {
   explicit Session(const SessionOptions&);
   ~Session();
 
-  // Files or folders, or one MetaImage file. Replaces what was open.
+  // Files or folders: DICOM and volume files. Reads headers only. Replaces what was open.
   Result<void> open(const std::vector<std::string>& paths, const ProgressFn& = {}, std::stop_token = {});
   const StudySet& study() const;
-  bool isMetaImage() const;
+  const std::vector<VolumeFile>& volumeFiles() const;  // what of it is no DICOM, but a volume file
 
-  // `series`: "" = the largest stack that can be shown in 3-D, else the largest image stack (segmentations
-  // and doses only where there is nothing else); a Series Instance UID; or the position in `info`, counted
-  // from 1; each with an optional "#stack" counted from 1.
+  // `series`: "" = the largest stack or volume file that can be shown in 3-D, else the largest image stack
+  // (segmentations and doses only where there is nothing else); a Series Instance UID or a volume file's name; or the
+  // position in `info`, counted from 1, volume files after the series; a series with an optional "#stack" counted
+  // from 1.
   Result<StackChoice> choose(const std::string& series) const;
   void use(StackChoice);  // what source "" means from now on
   const Series* seriesOf(StackChoice) const;
   const Stack* stackOf(StackChoice) const;
+  const VolumeFile* volumeFileOf(StackChoice) const;
 
-  // Builds (once) what a source names.
+  // Builds (once) what a source names. The images of a volume file are its slices as they stand in the file.
   Result<std::shared_ptr<const Volume>> volume(const std::string& source, const ProgressFn& = {},
                                                std::stop_token = {});
   Result<std::shared_ptr<const ImageFrame>> image(const std::string& source, std::int64_t index);
@@ -78,9 +83,12 @@ class Session {
       const Volume&) const;  // the file's, else the automatic one; found once per volume
   Result<std::int64_t> imageCount(const std::string& source) const;
   void bridgeGaps(bool);
-  // What source "" stands for, once chosen; nullptr for MetaImage or before.
+  // Of volume files: which of several volumes; of lists of images: the span of all slices (BuildOptions).
+  void readVolumeFilesWith(std::optional<std::int64_t> frame, std::optional<double> zSpan);
+  // What source "" stands for, once chosen: a stack of a series, or a volume file; nullptr for the other and before.
   const Series* chosenSeries() const;
   const Stack* chosenStack() const;
+  const VolumeFile* chosenVolumeFile() const;
   std::shared_ptr<const Volume> builtVolume() const;  // of source "", if it has been built
   int threadCount() const;
   std::uint64_t derivedBytes() const;  // textures, windows and other derived data held after the last frame
@@ -99,6 +107,7 @@ class Session {
   // so.
   const Capabilities& capabilities(bool withGl);
   const std::vector<PluginInfo>& plugins() const;
+  bool draws(const std::string& layerKind) const;  // is there a technique for it
   // The panel of a plugin's layer kind (plan/Panel.h), to be drawn by the window; nullptr: none.
   const Panel* panelOf(const std::string& kind) const;
   CostTable& costs();

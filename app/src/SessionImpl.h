@@ -35,6 +35,7 @@ struct Session::Impl {
   // The scene with the window of each slice layer that names none: found once per volume, not once per frame.
   Scene withWindows(Scene, const Sources&);
   VoiWindow windowOf(const Volume&);
+  std::optional<std::size_t> volumeFileNamed(const std::string&) const;
   Result<void> checkShown(const Scene&, const View&) const;
   Result<Sources> sourcesFor(Session&, const Scene&, std::stop_token);
   Result<Plan> planFor(const Scene&, const View&, const Quality&, const Sources&, bool explain);
@@ -60,11 +61,13 @@ struct Session::Impl {
   MemoryBudget budget;
   DerivedCache derived{kDerivedBytes};
   StudySet study;
-  std::shared_ptr<const Volume> metaImage;
+  std::vector<VolumeFile> volumeFiles;
   std::optional<StackChoice> chosen;
   bool bridge = false;
-  std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const Volume>> volumes;
-  std::map<std::tuple<std::size_t, std::size_t, std::int64_t>, std::shared_ptr<const ImageFrame>> images;
+  std::optional<std::int64_t> fileFrame;
+  std::optional<double> zSpan;
+  std::map<StackChoice, std::shared_ptr<const Volume>> volumes;
+  std::map<std::pair<StackChoice, std::int64_t>, std::shared_ptr<const ImageFrame>> images;
   std::optional<Capabilities> capabilities;
   bool lookedForGl = false;
   std::uint64_t derivedBytes = 0;

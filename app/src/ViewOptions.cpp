@@ -202,11 +202,16 @@ Result<std::vector<PatientPoint>> parsePathOption(const std::string& text) {
 }
 
 void addViewOptions(CLI::App& sub, ViewOptions& o) {
-  sub.add_option("INPUT", o.inputs, "Files or folders of DICOM, or one MetaImage file")->required();
+  sub.add_option("INPUT", o.inputs,
+                 "Files, folders or ZIP archives: DICOM, NIfTI, NRRD, MetaImage, VTI, raw, lists of images")
+      ->required();
   auto* view = sub.add_option("--view", o.view, "stack axial coronal sagittal oblique slab curved");
   sub.add_option("--scene", o.sceneFile, "Scene as JSON (docs/scene.md)")->excludes(view);
   sub.add_option("--series", o.series,
-                 "Series Instance UID or number in `vernier info`, #2 for its second stack");
+                 "Series Instance UID, volume file or number in `vernier info`, #2 for a second stack");
+  sub.add_option("--frame", o.frame, "Of a 4-D volume file: which volume, counted from 0");
+  sub.add_option("--z-span", o.zSpan, "Of a list of images: length that all slices span, as of the pixel size (mm)")
+      ->check(finiteAboveZero());
   sub.add_option("--size", o.size, "Picture, WxH pixels")->capture_default_str();
   sub.add_option("--camera", o.camera,
                  "azimuth=30,elevation=20,projection=orthographic,fov=30,zoom=1,roll=0");
@@ -356,7 +361,7 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
     p.window = *w;
     return {};
   };
-  if (o.view == "stack" && !session.isMetaImage()) {
+  if (o.view == "stack") {
     if (const Result<void> r = nothingForStacks(o); !r) return r.error();
     const Result<std::int64_t> count = session.imageCount("");
     if (!count) return count.error();
@@ -392,13 +397,13 @@ Result<RenderRequest> makeRequest(Session& session, const ViewOptions& o, const 
   if (!size) return size.error();
   r.view.width_px = size->x;
   r.view.height_px = size->y;
-  if (!session.isMetaImage()) {
-    const Result<StackChoice> choice = session.choose(o.series);
-    if (!choice) return choice.error();
-    session.use(*choice);
-  } else if (!o.series.empty()) {
-    return invalid("--series", "A MetaImage file is one volume and has no series.");
-  }
+  const Result<StackChoice> choice = session.choose(o.series);
+  if (!choice) return choice.error();
+  session.use(*choice);
+  if (o.frame && !choice->volumeFile)
+    return invalid("--frame", "It chooses a volume of a 4-D volume file; a DICOM series is chosen with --series.");
+  if (o.zSpan && !choice->volumeFile) return invalid("--z-span", "It is said of lists of images.");
+  session.readVolumeFilesWith(o.frame, o.zSpan);
   session.bridgeGaps(o.bridge);
   if (const Result<void> known = knownTechnique(session, o.technique); !known) return known.error();
   if (o.view.empty() && o.sceneFile.empty())

@@ -14,8 +14,8 @@ struct ViewOptions {
   std::vector<std::string> inputs;
   std::string view, sceneFile, series;
   std::string size = "512x512", camera, plane, slabMode, window, preset, interpolation;  // "" = not given
-  std::optional<std::int64_t> slice;
-  std::optional<double> slab_mm;
+  std::optional<std::int64_t> slice, frame;
+  std::optional<double> slab_mm, zSpan;
   std::string path, form, pathUp;  // of the view curved
   std::optional<double> width_mm;
   std::string engine, technique, quality = "review";

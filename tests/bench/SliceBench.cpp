@@ -16,7 +16,7 @@
 #include "vernier/base/Threads.h"
 #include "vernier/native/Simd.h"
 #include "vernier/native/Slice.h"
-#include "vernier/volume/Build.h"
+#include "vernier/volume/VolumeFile.h"
 #include "vernier/volume/Sampling.h"
 #include "vernier/volume/Voi.h"
 
@@ -134,7 +134,7 @@ int main(int argc, char** argv) {
   const int frames = argc > 2 ? std::max(1, std::atoi(argv[2])) : 90;
   setThreads(argc > 3 ? std::atoi(argv[3]) : 0);
   const std::string only = argc > 4 ? argv[4] : "";
-  const auto volume = readMetaImage(argv[1]);
+  const auto volume = readVolumeFile(std::string(argv[1]));
   if (!volume) return std::fprintf(stderr, "%s\n", volume.error().text().c_str()), 1;
   for (const Case& c : {Case{"axial", true, 0}, Case{"oblique", false, 0}, Case{"slab", false, 10}})
     if (only.empty() || only == c.name) run(**volume, c, frames);

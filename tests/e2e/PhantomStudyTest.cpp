@@ -2,6 +2,7 @@
 // Every phantom through the real loader: scanStudy, buildVolume, probes. Truth: the phantom's answers file
 // and the recipe's geometry typed again.
 #include "PhantomStudy.h"
+#include "vernier/volume/VolumeFile.h"
 
 namespace vernier::test {
 namespace {
@@ -154,7 +155,7 @@ TEST(PhantomStudy, MetaImageEqualsTheDicomVolume) {
   options.format = PhantomFormat::MetaImage;
   const Result<PhantomInfo> info = writePhantom("ct-head", l.dir.path(), options);
   ASSERT_TRUE(info.ok());
-  const auto meta = readMetaImage(info->data.string());
+  const auto meta = readVolumeFile(info->data.string());
   ASSERT_TRUE(meta.ok()) << meta.error().text();
   expectProbes(**meta, l.answers["series"][0]);
 }

@@ -19,11 +19,12 @@ bool says(const std::vector<Finding>& findings, const char* code) {
   return std::any_of(findings.begin(), findings.end(), [&](const Finding& f) { return f.code == code; });
 }
 
-// "axial" for the patient's own planes, "" for others.
-std::string planeName(PatientVec normal) {
+// "axial" for the patient's own planes, "" for others. Of axes that nobody knows only their names are said.
+std::string planeName(PatientVec normal, bool axesKnown) {
   const char* names[] = {"sagittal", "coronal", "axial"};
+  const char* unknown[] = {"yz", "xz", "xy"};
   for (int k = 0; k < 3; ++k)
-    if (std::abs(normal.v[k]) >= 1 - 1e-9) return names[k];
+    if (std::abs(normal.v[k]) >= 1 - 1e-9) return axesKnown ? names[k] : unknown[k];
   return "";
 }
 
@@ -108,6 +109,7 @@ std::optional<NoLetters> whyNoLetters(const std::vector<Finding>& findings) {
   if (says(findings, "quadruped")) return NoLetters{"quadruped: no letters", "quadruped"};
   if (says(findings, "not-patient-frame"))
     return NoLetters{"transducer's frame: no letters", "transducer's frame"};
+  if (says(findings, "axes-unknown")) return NoLetters{"axes not known: no letters", "axes not known"};
   return std::nullopt;
 }
 
@@ -142,7 +144,7 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
   out.mmPerPixel = picture.mmPerPixel;
   std::string what = layer.slab.thickness_mm > 0 ? slabName(layer.slab) : "MPR";
   const std::string method = what;
-  if (const std::string name = planeName(picture.normal); !name.empty()) {
+  if (const std::string name = planeName(picture.normal, !says(info.findings, "axes-unknown")); !name.empty()) {
     const std::string number = sliceNumber(info.grid, picture, layer.plane.point);
     what += " " + name + (number.empty() ? "" : " " + number);
   }

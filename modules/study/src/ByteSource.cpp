@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "vernier/study/Archive.h"
 #include "vernier/study/Limits.h"
 
 namespace vernier {
@@ -43,6 +44,30 @@ class FileSource final : public ByteSource {
 
  private:
   int fd_;
+  std::uint64_t size_;
+};
+
+class EntrySource final : public ByteSource {
+ public:
+  EntrySource(std::unique_ptr<Archive::Reader> reader, std::uint64_t size)
+      : reader_(std::move(reader)), size_(size) {}
+  std::uint64_t limit() const override { return size_; }
+
+ protected:
+  bool grow(std::uint64_t end) override {
+    const std::size_t have = bytes_.size();
+    bytes_.resize(std::min(size_, std::max({end, kFirstRead, have * 4})));
+    const auto n = reader_->read(std::span(bytes_).subspan(have));
+    bytes_.resize(have + (n ? *n : 0));
+    if (!n) {
+      failure_ = n.error();
+      size_ = have;
+    }
+    return bytes_.size() >= end;
+  }
+
+ private:
+  std::unique_ptr<Archive::Reader> reader_;
   std::uint64_t size_;
 };
 
@@ -126,6 +151,14 @@ Result<std::unique_ptr<ByteSource>> openFileSource(const std::string& path) {
   }
   return std::unique_ptr<ByteSource>(
       std::make_unique<FileSource>(fd, static_cast<std::uint64_t>(now.st_size)));
+}
+
+Result<std::unique_ptr<ByteSource>> openSource(const FileRecord& file) {
+  if (!file.archive) return openFileSource(file.path);
+  auto reader = file.archive->reader(file.entry);
+  if (!reader) return reader.error();
+  return std::unique_ptr<ByteSource>(
+      std::make_unique<EntrySource>(std::move(*reader), file.archive->entries()[file.entry].bytes));
 }
 
 std::unique_ptr<ByteSource> memorySource(std::span<const std::byte> bytes) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "vernier/base/Result.h"
+#include "vernier/study/Model.h"
 
 namespace vernier {
 
@@ -45,6 +46,8 @@ class ByteSource {
 
 // Opens a regular file; a device, pipe, socket or folder is refused without being opened for reading.
 Result<std::unique_ptr<ByteSource>> openFileSource(const std::string& path);
+// The same for a file wherever it is: an entry of an archive is unpacked as far as it is read.
+Result<std::unique_ptr<ByteSource>> openSource(const FileRecord&);
 // Bytes in memory that outlive the source; take() gives a copy.
 std::unique_ptr<ByteSource> memorySource(std::span<const std::byte> bytes);
 // The inflated form (raw deflate, PS3.5 A.5) of what follows `offset` in `packed`, which must outlive it.

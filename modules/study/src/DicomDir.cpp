@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
+#include <map>
 
 #include "Text.h"
 
@@ -11,38 +12,64 @@ namespace vernier {
 namespace {
 namespace fs = std::filesystem;
 
-std::string lower(std::string s) {
+// What disks make of a file ID: upper case may be lost, and ISO 9660 adds a version (";1") or an empty extension (".").
+std::string plainName(std::string s) {
+  if (const std::size_t version = s.rfind(';'); version != std::string::npos &&
+                                                s.find_first_not_of("0123456789", version + 1) == std::string::npos)
+    s.resize(version);
+  if (s.size() > 1 && s.back() == '.') s.pop_back();
   for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return s;
 }
 
-// The entry of `folder` with that name; disks lose the upper case of file IDs.
-fs::path entryOf(const fs::path& folder, const std::string& name) {
-  std::error_code ec;
-  if (fs::exists(folder / name, ec)) return folder / name;
-  for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec))
-    if (lower(it->path().filename().string()) == lower(name)) return it->path();
-  return {};
-}
-
-fs::path resolve(const fs::path& folder, const std::vector<std::string>& components) {
-  fs::path p = folder;
-  for (const std::string& c : components) {
-    if (c.empty() || c == "." || c == ".." || c.find('/') != std::string::npos) return {};
-    p = entryOf(p, c);
-    if (p.empty()) return {};
+class Resolver {
+ public:
+  explicit Resolver(fs::path folder) : folder_(std::move(folder)) {
+    std::error_code ec;
+    root_ = fs::canonical(folder_, ec);
   }
-  std::error_code ec;
-  const fs::path root = fs::canonical(folder, ec), target = fs::canonical(p, ec);
-  if (ec || !fs::is_regular_file(target, ec)) return {};
-  const auto [r, t] = std::mismatch(root.begin(), root.end(), target.begin(), target.end());
-  return r == root.end() ? p : fs::path();
-}
+
+  enum class Found { There, Missing, Outside };
+  Found find(const std::vector<std::string>& components, fs::path& out) {
+    fs::path p = folder_;
+    for (const std::string& c : components)
+      if (c == ".." || c.find('/') != std::string::npos) return Found::Outside;
+    for (const std::string& c : components) {
+      if (c.empty() || c == ".") return Found::Missing;
+      p = entryOf(p, c);
+      if (p.empty()) return Found::Missing;
+    }
+    std::error_code ec;
+    const fs::path target = fs::canonical(p, ec);
+    if (ec || root_.empty()) return Found::Missing;
+    const auto [r, t] = std::mismatch(root_.begin(), root_.end(), target.begin(), target.end());
+    if (r != root_.end()) return Found::Outside;
+    if (!fs::is_regular_file(target, ec)) return Found::Missing;
+    out = p;
+    return Found::There;
+  }
+
+ private:
+  fs::path entryOf(const fs::path& folder, const std::string& name) {
+    std::error_code ec;
+    if (fs::exists(folder / name, ec)) return folder / name;
+    const auto [at, isNew] = names_.try_emplace(folder.string());
+    if (isNew)
+      for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec))
+        at->second.emplace(plainName(it->path().filename().string()), it->path());
+    const auto found = at->second.find(plainName(name));
+    return found == at->second.end() ? fs::path() : found->second;
+  }
+
+  fs::path folder_, root_;
+  std::map<std::string, std::map<std::string, fs::path>> names_;  // of folders that were listed
+};
 
 }  // namespace
 
-DicomDirIndex readDicomDir(const Header& header, const std::string& folder) {
+DicomDirIndex readDicomDir(const Header& header, const std::string& folder, bool resolve) {
   DicomDirIndex index;
+  Resolver resolver(folder.empty() ? fs::path(".") : fs::path(folder));
   const Element* sequence = header.find(0x00041220);
   if (!sequence) return index;
   for (const auto& item : itemsOf(header, *sequence)) {
@@ -50,8 +77,11 @@ DicomDirIndex readDicomDir(const Header& header, const std::string& folder) {
     const Element* id = findIn(item, 0x00041500);
     if (!id || id->length == 0) continue;
     ++index.referenced;
-    const fs::path p = resolve(folder, splitValues(rawText(header, *id)));
-    if (p.empty()) continue;
+    if (!resolve) continue;
+    fs::path p;
+    const auto found = resolver.find(splitValues(rawText(header, *id)), p);
+    index.outside += found == Resolver::Found::Outside;
+    if (found != Resolver::Found::There) continue;
     ++index.present;
     index.files.push_back(p.string());
   }

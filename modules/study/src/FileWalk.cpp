@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <set>
 
+#include "vernier/study/Archive.h"
+#include "vernier/study/Files.h"
 #include "vernier/study/Limits.h"
 
 namespace vernier {
@@ -16,7 +18,7 @@ namespace fs = std::filesystem;
 class Walk {
  public:
   std::vector<FileRecord> files;
-  bool tooMany = false;
+  bool tooMany = false, unpacks = true;
 
   void folder(const fs::path& named) {
     std::error_code ec;
@@ -53,9 +55,31 @@ class Walk {
     if (!firstTime(named)) return;
     add(named, named.filename().string());
     files.back().bytes = bytes;
+    std::byte head[4];
+    const auto input = openInput(files.back());
+    if (unpacks && input && (*input)->read(0, head) && looksLikeArchive(head)) unpack(*input);
   }
 
  private:
+  // The last file is an archive: its entries take its place.
+  void unpack(const std::shared_ptr<const InputFile>& input) {
+    const FileRecord named = files.back();
+    auto archive = Archive::open(input, named.shown);
+    if (!archive) {
+      files.back().kind = FileKind::Unreadable;
+      files.back().error = archive.error();
+      return;
+    }
+    files.pop_back();
+    for (std::size_t n = 0; n < (*archive)->entries().size(); ++n) {
+      const Archive::Entry& e = (*archive)->entries()[n];
+      add(named.path, e.name.substr(e.name.rfind('/') + 1), e.error);
+      files.back().bytes = e.bytes;
+      files.back().archive = *archive;
+      files.back().entry = n;
+    }
+  }
+
   // True for a folder that is to be read.
   bool entry(const fs::path& p, const std::string& shown) {
     struct stat own {
@@ -111,8 +135,9 @@ class Walk {
 
 }  // namespace
 
-Result<std::vector<FileRecord>> walkFiles(const std::vector<std::string>& paths) {
+Result<std::vector<FileRecord>> walkFiles(const std::vector<std::string>& paths, bool unpack) {
   Walk walk;
+  walk.unpacks = unpack;
   for (const std::string& path : paths) {
     const std::string name = fs::path(path).filename().string();
     struct stat s {};

@@ -116,7 +116,7 @@ class SliceReader {
       return makeError(ErrorCode::Internal, "The object names a file that is not in the study.");
     if (auto r = study::checkSpec(instance.pixels); !r) return r;
     const FileRecord& record = set_.files[instance.file];
-    if (auto r = file_.open(record.path, record.shown); !r) return r;
+    if (auto r = file_.open(record); !r) return r;
     source_ = &file_;
     stream_.reset();
     auto dataSet = study::dataSetOffset(file_);

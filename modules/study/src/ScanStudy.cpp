@@ -18,6 +18,7 @@
 #include "vernier/base/Guarded.h"
 #include "vernier/base/Threads.h"
 #include "vernier/base/Trace.h"
+#include "vernier/study/Archive.h"
 #include "vernier/study/Load.h"
 
 namespace vernier {
@@ -36,12 +37,21 @@ bool isDirectory(const Header& h) {
   return media && rawText(h, *media) == kDirectoryClass;
 }
 
+// An archive is opened when it is named itself; what stands in a folder or in another archive may be a bomb of many.
+Error leftPacked(const FileRecord& file) {
+  if (file.archive)
+    return makeError(ErrorCode::FormatUnknown,
+                     "An archive inside an archive is not opened; unpack the outer one and open this one by itself.");
+  return makeError(ErrorCode::FormatUnknown, "An archive in a folder is not opened; open it by itself.");
+}
+
 Result<void> readInto(FileRecord& file, Scanned& out, bool resolveDirectory) {
-  auto source = openFileSource(file.path);
+  auto source = openSource(file);
   if (!source) {
     file.kind = FileKind::Unreadable;
     return source.error();
   }
+  if ((*source)->ensure(4) && looksLikeArchive((*source)->bytes())) return leftPacked(file);
   auto header = readHeader(**source);
   if (!header) {
     file.kind = header.error().code == ErrorCode::NotDicom ? FileKind::NotDicom : FileKind::Unreadable;
@@ -51,7 +61,7 @@ Result<void> readInto(FileRecord& file, Scanned& out, bool resolveDirectory) {
   if (isDirectory(h)) {
     file.kind = FileKind::DicomDir;
     out.directory =
-        readDicomDir(h, resolveDirectory ? std::filesystem::path(file.path).parent_path().string() : "");
+        readDicomDir(h, std::filesystem::path(file.path).parent_path().string(), resolveDirectory);
     if (h.damage) return *h.damage;
     return {};
   }
@@ -192,11 +202,12 @@ void fillStacks(const std::vector<Record>& records, Series& series) {
 void reportDirectories(const std::vector<const DicomDirIndex*>& directories, bool resolved, StudySet& set) {
   if (directories.empty()) return;
   std::map<std::string, double> records;
-  double referenced = 0, present = 0;
+  double referenced = 0, present = 0, outside = 0;
   for (const DicomDirIndex* d : directories) {
     for (const auto& [type, n] : d->records) records[type] += static_cast<double>(n);
     referenced += static_cast<double>(d->referenced);
     present += static_cast<double>(d->present);
+    outside += static_cast<double>(d->outside);
   }
   const auto text = [](double n) { return std::to_string(static_cast<std::uint64_t>(n)); };
   Finding f{"dicomdir", Severity::Info, "", {}};
@@ -205,10 +216,14 @@ void reportDirectories(const std::vector<const DicomDirIndex*>& directories, boo
                                : text(static_cast<double>(directories.size())) + " DICOMDIRs name ") +
       text(referenced) + " files" +
       (resolved ? ", " + text(present) + " of which are there." : "; in a folder the files themselves rule.");
+  if (outside > 0) f.sentence += " " + text(outside) + " lie outside its folder and were not looked for.";
   for (const auto& [type, n] : records) f.numbers["records_" + type] = n;
   f.numbers["directories"] = static_cast<double>(directories.size());
   f.numbers["referenced_files"] = referenced;
-  if (resolved) f.numbers["referenced_files_present"] = present;
+  if (resolved) {
+    f.numbers["referenced_files_present"] = present;
+    f.numbers["referenced_files_outside"] = outside;
+  }
   set.findings.push_back(std::move(f));
 }
 
@@ -221,12 +236,12 @@ Result<StudySet> scanGuarded(const std::vector<std::string>& paths, const Progre
   set.files = std::move(*files);
   std::vector<Scanned> scanned;
   const auto cancelled = makeError(ErrorCode::Cancelled, "The scan was cancelled.");
-  const bool single = set.files.size() == 1 && !std::filesystem::is_directory(paths[0]);
+  const bool single = set.files.size() == 1 && !set.files[0].archive && !std::filesystem::is_directory(paths[0]);
   if (!scanAll(set.files, scanned, single, progress, stop)) return cancelled;
   if (single && scanned[0].directory) {
     // A DICOMDIR opened by itself: its files are the study.
     const DicomDirIndex index = *scanned[0].directory;
-    auto named = walkFiles(index.files);
+    auto named = walkFiles(index.files, false);
     if (!named) return named.error();
     const std::string base = std::filesystem::path(set.files[0].path).parent_path().string();
     for (FileRecord& f : *named) f.shown = std::filesystem::path(f.path).lexically_relative(base).string();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "GridCheck.h"
 #include "Range.h"
 #include "VoxelAccess.h"
 #include "vernier/base/Checked.h"
@@ -16,21 +17,6 @@ namespace {
 bool finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 Error refuse(std::string sentence) { return makeError(ErrorCode::GeometryRefused, std::move(sentence)); }
-
-// The box that the three edge vectors span, relative to a right-angled one: 1 at right angles, 0 when flat.
-// Below 1e-6 two directions are parallel for every practical purpose and the inverse would be noise.
-constexpr double kLeastRelativeDeterminant = 1e-6;
-
-Result<void> checkMap(const PatientFromVoxel& map) {
-  const glm::dmat3& m = map.linear;
-  if (!finite(m[0]) || !finite(m[1]) || !finite(m[2]) || !finite(map.translation))
-    return refuse("The volume's position or spacing is not a finite number; check the file's geometry.");
-  const double box = glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]);
-  if (!(box > 0) || !std::isfinite(box) || std::abs(glm::determinant(m)) < kLeastRelativeDeterminant * box)
-    return refuse(
-        "The volume's axes have no length or lie in one plane; check spacing and orientation of the file.");
-  return {};
-}
 
 Result<void> checkSlices(const GridGeometry& g) {
   const std::size_t n = static_cast<std::size_t>(g.slices);
@@ -106,6 +92,20 @@ Finding nothingToShow() {
 }
 
 }  // namespace
+
+Result<void> checkMap(const PatientFromVoxel& map) {
+  // The box that the three edge vectors span, relative to a right-angled one: 1 at right angles, 0 when flat.
+  // Below this two directions are parallel for every practical purpose and the inverse would be noise.
+  constexpr double kLeastRelativeDeterminant = 1e-6;
+  const glm::dmat3& m = map.linear;
+  if (!finite(m[0]) || !finite(m[1]) || !finite(m[2]) || !finite(map.translation))
+    return refuse("The volume's position or spacing is not a finite number; check the file's geometry.");
+  const double box = glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]);
+  if (!(box > 0) || !std::isfinite(box) || std::abs(glm::determinant(m)) < kLeastRelativeDeterminant * box)
+    return refuse(
+        "The volume's axes have no length or lie in one plane; check spacing and orientation of the file.");
+  return {};
+}
 
 std::size_t bytesOf(VoxelType t) {
   switch (t) {

@@ -259,14 +259,14 @@ TEST(FunctionalGroups, NoDescriptionOfTheFrames) {
 
 TEST(FunctionalGroups, FramesWithoutAUsablePlaceAreKeptOutOf3d) {
   for (const char* bad : {"NaN\\0\\4", "0\\0", "0\\0\\x", ""}) {
-    EnhancedObject o = enhancedStack({0, 2, 4, 6});
+    EnhancedObject o = enhancedStack({0, 2, 4, 6, 8, 10});
     o.perFrame[2] = {{"0020,9113", {{"0020,0032", bad}}}};
     const Scan s = scanOf({o});
     SCOPED_TRACE(bad);
     ASSERT_TRUE(s.finding("frames-without-place"));
     EXPECT_EQ(number(*s.finding("frames-without-place"), "frames"), 1);
     ASSERT_EQ(s.series().stacks.size(), 2u);
-    EXPECT_EQ(s.order(0), (std::vector<std::uint64_t>{0, 1, 3}));
+    EXPECT_EQ(s.order(0), (std::vector<std::uint64_t>{0, 1, 3, 4, 5}));
     EXPECT_TRUE(s.finding("gap")) << "a hole, not a bridge";
     EXPECT_EQ(s.stack(1).shape, StackShape::NoGeometry);
   }

@@ -259,6 +259,11 @@ TEST(ScanStudy, DicomDirOpenedByItselfIsAnIndex) {
     EXPECT_EQ(std::get<double>(set.findings[0].numbers.at("referenced_files_present")), n);
     EXPECT_EQ(set.files.size(), n + 1);
   }
+  // Its PATIENT records are of an unknown type; the files are named all the same.
+  EXPECT_EQ(scan(dir / "DICOMDIR-nopatient").instances.size(), 31u);
+  const StudySet none = scan(dir / "DICOMDIR-empty.dcm");
+  EXPECT_TRUE(none.instances.empty());
+  EXPECT_EQ(std::get<double>(none.findings.at(0).numbers.at("referenced_files")), 0);
   // 28 files by names that are not there: said, and nothing else is loaded instead.
   VERNIER_NEEDS_DATA("ct_phantom_head_series");
   const StudySet lost = scan(test::dataDir() / "ct_phantom_head_series" / "DIRFILE");

@@ -9,7 +9,7 @@
 
 #include "Grids.h"
 #include "TestData.h"
-#include "vernier/volume/Build.h"
+#include "vernier/volume/VolumeFile.h"
 
 namespace vernier {
 namespace {
@@ -44,7 +44,7 @@ const char* const kHead =
 struct Case {
   test::TempDir dir;
   std::string path() const { return (dir.path() / "v.mhd").string(); }
-  Result<std::shared_ptr<const Volume>> read(const BuildOptions& o = {}) { return readMetaImage(path(), o); }
+  Result<std::shared_ptr<const Volume>> read(const BuildOptions& o = {}) { return readVolumeFile(path(), o); }
   ErrorCode refusal(const std::string& header, const std::string& raw = std::string(48, '\1')) {
     write(dir.path() / "v.mhd", header);
     write(dir.path() / "v.raw", raw);
@@ -182,7 +182,7 @@ TEST(MetaImageFiles, DataOutsideTheFolderIsRefused) {
   for (const std::string& name :
        {std::string("../v.raw"), (c.dir.path() / "v.raw").string(), std::string("x/../../v.raw")}) {
     write(c.dir.path() / "in" / "v.mhd", kShort + "ElementDataFile = " + name + "\n");
-    const auto v = readMetaImage((c.dir.path() / "in" / "v.mhd").string());
+    const auto v = readVolumeFile((c.dir.path() / "in" / "v.mhd").string());
     ASSERT_FALSE(v.ok());
     EXPECT_THAT(v.error().sentence, HasSubstr("outside the header's folder"));
   }
@@ -193,7 +193,7 @@ TEST(MetaImageFiles, WhatIsNotReadSaysSo) {
       {"ElementDataFile = LIST\na.raw\nb.raw\n", "list of files"},
       {"ElementDataFile = s%03d.raw 1 2 1\n", "list of files"},
       {"ElementNumberOfChannels = 3\nElementDataFile = v.raw\n", "one channel"},
-      {"ElementType = MET_DOUBLE\nElementDataFile = v.raw\n", "ElementType"},
+      {"ElementType = MET_SHORT_ARRAY\nElementDataFile = v.raw\n", "ElementType"},
       {"BinaryData = False\nElementDataFile = v.raw\n", "BinaryData"},
       {"NDims = 4\nElementDataFile = v.raw\n", "dimensions"},
       {"ObjectType = Tube\nElementDataFile = v.raw\n", "ObjectType"}};
@@ -256,14 +256,14 @@ TEST(MetaImageFiles, BadHeadersEndAtOnceWithASentence) {
 
 TEST(MetaImageFiles, PathsThatAreNoFiles) {
   test::TempDir dir;
-  EXPECT_EQ(readMetaImage((dir.path() / "none.mhd").string()).error().code, ErrorCode::FileNotFound);
-  EXPECT_EQ(readMetaImage(dir.path().string()).error().code, ErrorCode::NotAFile);
-  EXPECT_EQ(readMetaImage("/dev/zero").error().code, ErrorCode::NotAFile);
+  EXPECT_EQ(readVolumeFile((dir.path() / "none.mhd").string()).error().code, ErrorCode::FileNotFound);
+  EXPECT_EQ(readVolumeFile(dir.path().string()).error().code, ErrorCode::NotAFile);
+  EXPECT_EQ(readVolumeFile("/dev/zero").error().code, ErrorCode::NotAFile);
   const std::string pipe = (dir.path() / "pipe").string();
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_EQ(readMetaImage(pipe).error().code, ErrorCode::NotAFile);
+  EXPECT_EQ(readVolumeFile(pipe).error().code, ErrorCode::NotAFile);
   write(dir.path() / "v.mhd", kShort + "ElementDataFile = none.raw\n");
-  EXPECT_EQ(readMetaImage((dir.path() / "v.mhd").string()).error().code, ErrorCode::FileNotFound);
+  EXPECT_EQ(readVolumeFile((dir.path() / "v.mhd").string()).error().code, ErrorCode::FileNotFound);
 }
 
 TEST(MetaImageFiles, TheBudgetIsHeldAsLongAsTheVolume) {

@@ -9,6 +9,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "vernier/study/Archive.h"
+
 namespace vernier::study {
 namespace {
 // Most headers of classic objects fit; what does not is read in further windows.
@@ -25,19 +27,26 @@ std::span<const std::byte> SpanSource::view(std::uint64_t offset, std::uint64_t 
   return inside(offset, n) ? bytes_.subspan(offset, n) : std::span<const std::byte>{};
 }
 
-Result<void> FileSource::open(const std::string& path, const std::string& shown) {
+Result<void> FileSource::open(const FileRecord& file) {
   close();
+  if (file.archive) {
+    auto whole = file.archive->whole(file.entry);
+    if (!whole) return whole.error();
+    unpacked_ = std::move(*whole);
+    size_ = unpacked_->size();
+    return {};
+  }
   // O_NONBLOCK: opening a pipe must not wait for its other end.
-  fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  fd_ = ::open(file.path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd_ < 0)
     return makeError(ErrorCode::FileNotFound,
                      std::string("The file cannot be opened (") + std::strerror(errno) +
                          "); check that it is still there and that you may read it.",
-                     shown);
+                     file.shown);
   struct stat info {};
   if (::fstat(fd_, &info) != 0 || !S_ISREG(info.st_mode)) {
     close();
-    return makeError(ErrorCode::NotAFile, "The path is not a regular file; name a DICOM file.", shown);
+    return makeError(ErrorCode::NotAFile, "The path is not a regular file; name a DICOM file.", file.shown);
   }
   size_ = static_cast<std::uint64_t>(info.st_size);
   return {};
@@ -46,6 +55,7 @@ Result<void> FileSource::open(const std::string& path, const std::string& shown)
 void FileSource::close() {
   if (fd_ >= 0) ::close(fd_);
   fd_ = -1;
+  unpacked_.reset();
   size_ = windowStart_ = windowBytes_ = 0;
 }
 
@@ -61,8 +71,12 @@ bool FileSource::readWhole(std::uint64_t offset, std::span<std::byte> to) {
 }
 
 bool FileSource::read(std::uint64_t offset, std::span<std::byte> to) {
-  if (fd_ < 0 || !inside(offset, to.size())) return false;
+  if ((fd_ < 0 && !unpacked_) || !inside(offset, to.size())) return false;
   if (to.empty()) return true;
+  if (unpacked_) {
+    std::memcpy(to.data(), unpacked_->data() + offset, to.size());
+    return true;
+  }
   if (to.size() > kWindowBytes / 4) return readWhole(offset, to);
   const bool inWindow = offset >= windowStart_ && offset + to.size() <= windowStart_ + windowBytes_;
   if (!inWindow) {
@@ -80,6 +94,7 @@ bool FileSource::read(std::uint64_t offset, std::span<std::byte> to) {
 std::span<const std::byte> FileSource::view(std::uint64_t offset, std::uint64_t n,
                                             std::vector<std::byte>& scratch) {
   if (!inside(offset, n)) return {};
+  if (unpacked_) return std::span(*unpacked_).subspan(offset, n);
   scratch.resize(n);
   return read(offset, scratch) ? std::span<const std::byte>(scratch) : std::span<const std::byte>{};
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "vernier/base/Result.h"
+#include "vernier/study/Model.h"
 
 namespace vernier::study {
 
@@ -53,8 +54,9 @@ class FileSource final : public Source {
   FileSource(const FileSource&) = delete;
   FileSource& operator=(const FileSource&) = delete;
 
-  // Errors: FileNotFound, NotAFile. `shown` is the name that an error carries.
-  Result<void> open(const std::string& path, const std::string& shown);
+  // Errors: FileNotFound, NotAFile; FileDamaged for an entry of an archive, which is unpacked whole to memory (and
+  // shared by all sources that hold it).
+  Result<void> open(const FileRecord& file);
   void close();
   std::uint64_t size() const override { return size_; }
   bool read(std::uint64_t offset, std::span<std::byte> to) override;
@@ -68,6 +70,7 @@ class FileSource final : public Source {
   std::uint64_t size_ = 0;
   std::vector<std::byte> window_;
   std::uint64_t windowStart_ = 0, windowBytes_ = 0;
+  std::shared_ptr<const std::vector<std::byte>> unpacked_;
 };
 
 }  // namespace vernier::study

@@ -16,6 +16,8 @@
 
 namespace vernier {
 
+class Archive;
+
 struct ModalityRescale {
   double slope = 1, intercept = 0;
   friend bool operator==(const ModalityRescale&, const ModalityRescale&) = default;
@@ -177,10 +179,13 @@ struct Patient {
   std::vector<std::size_t> studies;
 };
 
-enum class FileKind { Image, NonImage, DicomDir, NoSopClass, Unreadable, NotDicom };
+// Volume: no DICOM, but a volume file (volume/VolumeFile.h).
+enum class FileKind { Image, NonImage, DicomDir, NoSopClass, Unreadable, NotDicom, Volume };
 struct FileRecord {
-  std::string path;      // to open it
-  std::string shown;     // relative to what the user named
+  std::string path;      // to open it; of an entry of an archive: the archive's
+  std::string shown;     // relative to what the user named; of an entry: its last part
+  std::shared_ptr<const Archive> archive;  // nullptr: the file itself
+  std::size_t entry = 0;                   // which of Archive::entries()
   std::uint64_t bytes = 0;
   FileKind kind = FileKind::NotDicom;
   std::optional<Error> error;  // one sentence and a next step

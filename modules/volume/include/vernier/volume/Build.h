@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From a stack of a study, or from a MetaImage file, to a Volume or an ImageFrame.
+// From a stack of a study to a Volume or an ImageFrame. Volume files: VolumeFile.h.
 #pragma once
 #include <memory>
 #include <optional>
@@ -19,6 +19,10 @@ struct BuildOptions {
   // Reserved before anything is allocated, released when the last holder of the volume lets go; outlives the
   // volume.
   MemoryBudget* budget = nullptr;
+  // Of a volume file that holds several volumes (4-D): the one to read, counted from 0.
+  std::optional<std::int64_t> frame;
+  // Of a list of images: the length that all slices span together, in the unit of the pixel size (mm).
+  std::optional<double> zSpan;
 };
 
 // Decodes a stack that passed 3-D validation; GeometryRefused with the stack's reason otherwise. Voxels keep
@@ -38,14 +42,6 @@ VERNIER_API Result<std::shared_ptr<const Volume>> buildVolume(const StudySet&, c
 VERNIER_API Result<std::shared_ptr<const ImageFrame>> buildImageFrame(
     const StudySet&, const Series&, const Stack&, std::size_t slice,
     std::optional<VoiWindow> autoWindow = {});
-
-// MetaImage (.mhd + raw, .mha), 1 channel, 2 or 3 dimensions, all element types of 8, 16 and 32 bits and
-// MET_FLOAT, raw or compressed, either byte order. Offset and TransformMatrix are LPS mm by ITK's convention:
-// numbers 3a..3a+2 of TransformMatrix are the direction of axis a. Nothing says what the values mean: the
-// unit is "stored value". The data file must lie in or below the header's folder; sizes are checked against
-// it before memory is set aside.
-VERNIER_API Result<std::shared_ptr<const Volume>> readMetaImage(const std::string& path,
-                                                                const BuildOptions& = {});
 
 // The window to show first: the file's first valid one (normalised), else the automatic one.
 VERNIER_API VoiWindow defaultWindow(const Volume&);

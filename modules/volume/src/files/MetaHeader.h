@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "vernier/base/Result.h"
-#include "vernier/volume/Volume.h"
+#include "files/LoadVoxels.h"
 
 namespace vernier {
 
@@ -19,7 +19,7 @@ struct MetaHeader {
   // Direction of the column, row and slice axis, one after the other: numbers 3a..3a+2 of TransformMatrix are
   // the direction cosines of axis a (ITK's MetaImageIO reads them so).
   std::array<glm::dvec3, 3> direction{glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)};
-  VoxelType type = VoxelType::I16;
+  FileType type = FileType::I16;
   bool bigEndian = false, compressed = false;
   std::int64_t headerSize = 0;  // bytes to skip in a separate data file; -1: the data stands at its end
   double slope = 1, intercept = 0;
@@ -34,5 +34,8 @@ inline constexpr std::size_t kMaxMetaHeaderBytes = 64 * 1024;
 // MetaImage header, FileDamaged when it contradicts itself, NotBuiltYet for what is valid but not read,
 // GeometryRefused for impossible spacing, each with its sentence.
 Result<MetaHeader> parseMetaHeader(std::string_view text, const std::string& where);
+
+// The same as a volume, its data file found beside the header.
+Result<ParsedVolume> parseMetaImage(const FileRecord& file, std::string_view text);
 
 }  // namespace vernier

@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "MetaHeader.h"
+#include "files/MetaHeader.h"
 
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <vector>
 
+#include "files/Affine.h"
+#include "files/TextParts.h"
+
 namespace vernier {
 namespace {
 
 using Fields = std::map<std::string, std::string, std::less<>>;
-
-std::string_view trimmed(std::string_view s) {
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!s.empty() && blank(s.front())) s.remove_prefix(1);
-  while (!s.empty() && blank(s.back())) s.remove_suffix(1);
-  return s;
-}
 
 bool printable(std::string_view s) {
   for (char c : s)
@@ -50,21 +45,6 @@ std::optional<Lines> splitLines(std::string_view text) {
   return std::nullopt;
 }
 
-template <class T>
-std::optional<std::vector<T>> numbers(std::string_view s) {
-  std::vector<T> out;
-  for (s = trimmed(s); !s.empty(); s = trimmed(s)) {
-    if (s.front() == '+') s.remove_prefix(1);
-    T x{};
-    const auto [end, error] = std::from_chars(s.data(), s.data() + s.size(), x);
-    if (error != std::errc() || (end != s.data() + s.size() && *end != ' ' && *end != '\t'))
-      return std::nullopt;
-    out.push_back(x);
-    s.remove_prefix(static_cast<std::size_t>(end - s.data()));
-  }
-  return out;
-}
-
 class Reader {
  public:
   Reader(const Fields& f, const std::string& where) : fields_(f), where_(where) {}
@@ -79,7 +59,7 @@ class Reader {
   Result<void> read(std::initializer_list<const char*> keys, std::array<T, N>& out, std::size_t n) const {
     const std::string* text = find(keys);
     if (!text) return {};
-    const auto x = numbers<T>(*text);
+    const auto x = numbersIn<T>(*text);
     if (!x || x->size() != n)
       return damaged(std::string(*keys.begin()) + " is not " + std::to_string(n) + " numbers.");
     for (std::size_t i = 0; i < n; ++i) {
@@ -107,16 +87,15 @@ class Reader {
   const std::string& where_;
 };
 
-std::optional<VoxelType> voxelType(std::string_view element) {
-  if (element == "MET_CHAR") return VoxelType::I8;
-  if (element == "MET_UCHAR") return VoxelType::U8;
-  if (element == "MET_SHORT") return VoxelType::I16;
-  if (element == "MET_USHORT") return VoxelType::U16;
-  if (element == "MET_INT" || element == "MET_LONG")
-    return VoxelType::I32;  // MET_LONG has four bytes in MetaImage
-  if (element == "MET_UINT" || element == "MET_ULONG") return VoxelType::U32;
-  if (element == "MET_FLOAT") return VoxelType::F32;
-  return std::nullopt;
+std::optional<FileType> elementType(std::string_view element) {
+  static const std::map<std::string_view, FileType> kTypes{
+      {"MET_CHAR", FileType::I8},   {"MET_UCHAR", FileType::U8},      {"MET_SHORT", FileType::I16},
+      {"MET_USHORT", FileType::U16}, {"MET_INT", FileType::I32},       {"MET_UINT", FileType::U32},
+      {"MET_LONG", FileType::I32},   {"MET_ULONG", FileType::U32},  // four bytes in MetaImage
+      {"MET_LONG_LONG", FileType::I64}, {"MET_ULONG_LONG", FileType::U64},
+      {"MET_FLOAT", FileType::F32}, {"MET_DOUBLE", FileType::F64}};
+  const auto it = kTypes.find(element);
+  return it == kTypes.end() ? std::nullopt : std::optional(it->second);
 }
 
 Result<void> readSize(const Reader& r, MetaHeader& h, std::size_t& dims) {
@@ -151,10 +130,9 @@ Result<void> readGeometry(const Reader& r, MetaHeader& h, std::size_t dims) {
 
 Result<void> checkSpacing(const MetaHeader& h, const std::string& where) {
   for (double s : h.spacing_mm)
-    if (!(s >= 1e-4 && s <= 1e3))
+    if (!(s > 0))
       return makeError(ErrorCode::GeometryRefused,
-                       "ElementSpacing must lie between 0.0001 and 1000 mm on each axis; correct the header.",
-                       where);
+                       "ElementSpacing must be above 0 on each axis; correct the header.", where);
   return {};
 }
 
@@ -167,10 +145,10 @@ Result<void> readElements(const Reader& r, MetaHeader& h) {
                       ".");
   const std::string* element = r.find({"ElementType"});
   if (!element) return r.damaged("ElementType is missing.");
-  const auto type = voxelType(*element);
+  const auto type = elementType(*element);
   if (!type)
     return r.notBuilt(
-        "This ElementType is not read; convert the file to a type of 8, 16 or 32 bits or to MET_FLOAT.");
+        "This ElementType is not read; convert the file to integers or floats.");
   h.type = *type;
   if (const std::string* binary = r.find({"BinaryData"}); binary && !r.flag({"BinaryData"}))
     return r.notBuilt(
@@ -226,6 +204,49 @@ Result<MetaHeader> parseMetaHeader(std::string_view text, const std::string& whe
     if (*m == "MET_MOD_MR") h.modality = "MR";
   }
   return h;
+}
+
+namespace {
+
+GridGeometry gridOf(const MetaHeader& h) {
+  GridGeometry g;
+  g.columns = h.size[0];
+  g.rows = h.size[1];
+  g.slices = h.size[2];
+  for (int axis = 0; axis < 3; ++axis)
+    g.patientFromVoxel.linear[axis] =
+        h.spacing_mm[static_cast<std::size_t>(axis)] * h.direction[static_cast<std::size_t>(axis)];
+  g.patientFromVoxel.translation = {h.offset_mm[0], h.offset_mm[1], h.offset_mm[2]};
+  return g;
+}
+
+}  // namespace
+
+Result<ParsedVolume> parseMetaImage(const FileRecord& file, std::string_view text) {
+  const auto h = parseMetaHeader(text, file.shown);
+  if (!h) return h.error();
+  ParsedVolume p;
+  p.place.file = file;
+  if (h->dataFile == "LOCAL") {
+    p.place.offset = h->dataOffset;
+  } else {
+    auto data = besideFile(file, h->dataFile);
+    if (!data) return data.error();
+    p.place.file = std::move(*data);
+  }
+  p.place.packing = h->compressed ? Packing::Gzip : Packing::Raw;
+  if (h->headerSize > 0) p.place.offset += static_cast<std::uint64_t>(h->headerSize);
+  p.place.atEnd = h->headerSize < 0 && !h->compressed;
+  p.place.type = h->type;
+  p.place.bigEndian = h->bigEndian;
+  p.facts.format = "MetaImage";
+  p.facts.storedType = nameOf(h->type);
+  p.facts.info.type = voxelTypeOf(h->type);
+  p.facts.info.rescale = {{h->slope, h->intercept}};
+  p.facts.info.modality = h->modality;
+  p.facts.info.grid = gridOf(*h);
+  if (auto ok = settleAxes(p.facts.info.grid); !ok) return ok.error();
+  return p;
 }
 
 }  // namespace vernier

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the parts of `vernier info --json` share.
+#pragma once
+#include <nlohmann/json.hpp>
+
+#include "InfoJson.h"
+
+namespace vernier {
+using Json = nlohmann::ordered_json;
+
+Json toJson(const glm::dvec3&);
+Json toJson(const PatientFromVoxel&);  // rows of a 4x4 matrix
+Json toJson(const std::vector<Finding>&);
+Json toJson(const Error&);
+Json volumeFilesJson(const StudySet&, const std::vector<VolumeFile>&, const InfoOptions&);
+
+}  // namespace vernier
