@@ -9,6 +9,8 @@ install(TARGETS vernier_program RUNTIME COMPONENT vernier)
 install(TARGETS vernier EXPORT vernierTargets
   LIBRARY DESTINATION lib/vernier COMPONENT vernier NAMELINK_COMPONENT vernier-dev)
 
+install(TARGETS vernier_vtk LIBRARY DESTINATION lib/vernier COMPONENT vernier)
+
 foreach(module IN LISTS VERNIER_CORE_MODULES)
   install(DIRECTORY modules/${module}/include/vernier DESTINATION include COMPONENT vernier-dev)
 endforeach()

@@ -8,16 +8,17 @@ rm -rf "$build/packages"
 mkdir -p "$build/packages"
 umask 022
 
-# What the program, libvernier and the plugins link is needed; what only the window links (GLFW, libGL) is loaded on
-# demand, so it is recommended: without it Vernier draws with the processor. libvernier itself is of no package.
+# What the program, libvernier and the plugins link is needed; what only the window links (GLFW, libGL) and what reads
+# VTP files (VTK) is loaded on demand, so it is recommended: without it Vernier draws with the processor, and the other
+# surface formats are read. libvernier itself is of no package.
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/debian"
 printf 'Source: vernier\n\nPackage: vernier\nArchitecture: any\n' >"$work/debian/control"
 needed=("$build/bin/vernier" "$build/lib/libvernier.so" "$build"/lib/vernier/plugins/*/*.so)
-window=("$build"/lib/vernier/*.so)
+demand=("$build"/lib/vernier/*.so)
 arguments=("${needed[@]/#/-e}")
-[ ! -e "${window[0]}" ] || arguments+=(-dRecommends "${window[@]/#/-e}")
+[ ! -e "${demand[0]}" ] || arguments+=(-dRecommends "${demand[@]/#/-e}")
 (cd "$work" && dpkg-shlibdeps --ignore-missing-info -O -l"$build/lib" "${arguments[@]}") >"$work/found" 2>"$work/said" ||
   { cat "$work/said" >&2; exit 1; }
 depends=$(sed -n 's/^shlibs:Depends=//p' "$work/found")

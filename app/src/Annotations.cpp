@@ -5,6 +5,7 @@
 
 #include "Version.h"
 #include "vernier/picture/Hatch.h"
+#include "vernier/picture/Outline.h"
 #include "vernier/picture/Quantise.h"
 #include "vernier/volume/Voi.h"
 
@@ -41,7 +42,12 @@ Result<Annotations> describeLayer(Session& session, const ImageLayer& layer, con
   const VoiWindow window = layer.window && usableWindow(*layer.window) ? *layer.window
                            : !info.windows.empty()                     ? info.windows.front()
                                                                        : info.autoWindow;
-  return describeImage(layer, imagePicture(layer, scene.camera, view, **image), info, window);
+  Sources sources;
+  if (const auto state = session.presentation(layer.presentation)) sources.presentations[layer.presentation] = state;
+  const auto state = presentationOf(layer, info, sources);
+  if (!state) return state.error();
+  const FramePresentation* const applied = *state ? &**state : nullptr;
+  return describeImage(layer, imagePicture(layer, scene.camera, view, info, applied), info, window, applied);
 }
 
 Result<void> hatchLayer(Session& session, const Layer& layer, const Scene& scene, const View& view,
@@ -61,6 +67,50 @@ Result<void> hatchLayer(Session& session, const Layer& layer, const Scene& scene
   return {};
 }
 
+// All surfaces of a 3-D picture together.
+Result<Annotations> describeSurfaces(Session& session, const Scene& scene, const View& view) {
+  std::vector<const SurfaceFile*> files;
+  Sources sources;
+  for (const Layer& layer : scene.layers)
+    if (const auto* surface = std::get_if<SurfaceLayer>(&layer)) {
+      const auto file = session.surface(surface->source);
+      if (!file)
+        return makeError(ErrorCode::SceneInvalid, "The surface '" + surface->source + "' was not given.");
+      sources.meshes[surface->source] = file->mesh;
+      files.push_back(file.get());
+    }
+  const Result<CameraBox> box = cameraBox(scene, sources);
+  if (!box) return box.error();
+  const Result<CameraPicture> camera = cameraPicture(scene.camera, view, *box);
+  if (!camera) return camera.error();
+  return vernier::describeSurfaces(*camera, files, session.chosenSeries() != nullptr);
+}
+
+bool isSlice(const Scene& scene) {
+  return std::any_of(scene.layers.begin(), scene.layers.end(),
+                     [](const Layer& l) { return std::holds_alternative<SliceLayer>(l); });
+}
+
+constexpr double kOutline_px = 1.6;
+
+Result<void> drawOutlines(Picture& picture, Session& session, const Scene& scene, const View& view,
+                          double scale) {
+  const auto it = std::find_if(scene.layers.begin(), scene.layers.end(),
+                               [](const Layer& l) { return std::holds_alternative<SliceLayer>(l); });
+  if (it == scene.layers.end()) return {};
+  const SliceLayer& slice = std::get<SliceLayer>(*it);
+  const auto volume = session.volume(slice.source);
+  if (!volume) return volume.error();
+  const Result<SlicePicture> place = slicePicture(slice, scene.camera, view, **volume);
+  if (!place) return place.error();
+  for (const Layer& layer : scene.layers)
+    if (const auto* surface = std::get_if<SurfaceLayer>(&layer))
+      if (const auto file = session.surface(surface->source))
+        drawLines(picture, outlineOf(*surface, *file->mesh, slice, *place), surface->colour,
+                  kOutline_px * scale, surface->opacity);
+  return {};
+}
+
 }  // namespace
 
 Result<Annotations> annotationsFor(Session& session, const Scene& scene, const View& view, const Rendered& r,
@@ -75,11 +125,15 @@ Result<Annotations> annotationsFor(Session& session, const Scene& scene, const V
       said = describeLayer(session, *curved, scene, view);
     if (const auto* image = std::get_if<ImageLayer>(&*layer))
       said = describeLayer(session, *image, scene, view);
+    if (std::holds_alternative<SurfaceLayer>(*layer) && !isSlice(scene))
+      said = describeSurfaces(session, scene, view);
     if (!said) continue;
     if (!*said) return said->error();
     a = std::move(**said);
     break;
   }
+  if (!r.plan.afterwards.empty())
+    a.what.push_back({"surface outlines, mm assumed", "outlines", Tone::Normal});
   if (showsNothing(r.frame.images)) a.what.push_back({kNoDataHere, "no data", Tone::Amber});
   for (const Layer& layer : scene.layers)  // what a plugin has drawn over the picture is said too
     if (const auto* custom = std::get_if<CustomLayer>(&layer); custom && session.draws(custom->kind)) {
@@ -100,9 +154,12 @@ bool showsNothing(const Images& images) {
                                               [](float depth) { return depth == kNothing_mm; });
 }
 
-std::vector<PngText> pngTexts(const Rendered& r) {
+std::vector<PngText> pngTexts(const Scene& scene, const Rendered& r) {
   std::vector<PngText> texts{{"Software", std::string("vernier ") + kVersion + ", not for primary diagnosis"},
                              {"Engine", r.frame.technique + ", " + r.frame.renderer}};
+  for (const Layer& layer : scene.layers)
+    if (const auto* image = std::get_if<ImageLayer>(&layer); image && !image->presentation.empty())
+      texts.push_back({"Presentation", "presentation state " + image->presentation + " applied"});
   if (r.error) texts.push_back({"Error", quality::errorSentence(*r.error)});
   if (!r.goalNote.empty()) texts.push_back({"Goal", r.goalNote});
   return texts;
@@ -112,8 +169,11 @@ Result<Picture> finishedPicture(Session& session, const Scene& scene, const View
                                 std::optional<double> limit, double scale) {
   Picture picture = quantise(r.frame.images);
   for (const Layer& layer : scene.layers)
-    if (const Result<void> hatched = hatchLayer(session, layer, scene, view, r.frame.images, picture); !hatched)
+    if (const Result<void> hatched = hatchLayer(session, layer, scene, view, r.frame.images, picture);
+        !hatched)
       return hatched.error();
+  if (const Result<void> drawn = drawOutlines(picture, session, scene, view, scale); !drawn)
+    return drawn.error();
   const Result<Annotations> a = annotationsFor(session, scene, view, r, limit);
   if (!a) return a.error();
   annotate(picture, *a, scale);

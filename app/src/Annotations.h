@@ -18,7 +18,7 @@ inline constexpr const char* kNoDataHere = "no data here: move the plane or zoom
 
 // What a PNG says of itself beside its pixels: the program, its engine, the measured error. No value of the
 // patient.
-std::vector<PngText> pngTexts(const Rendered&);
+std::vector<PngText> pngTexts(const Scene&, const Rendered&);
 
 // The 8-bit picture with its letters; `scale` 1..3.
 Result<Picture> finishedPicture(Session&, const Scene&, const View&, const Rendered&,

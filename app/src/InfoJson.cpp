@@ -165,8 +165,35 @@ Json toJson(const StudySet& set, const Series& s) {
   return j;
 }
 
+Json toJson(const StudySet& set, const PresentationState& p) {
+  Json j{{"file", set.files[set.instances[p.instance].file].shown},
+         {"sop_instance_uid", p.sopInstanceUid},
+         {"label", p.label},
+         {"description", p.description}};
+  j["images"] = Json::array();
+  for (const ReferencedImage& r : p.images)
+    j["images"].push_back({{"sop_instance_uid", r.sopInstanceUid}, {"frames", r.frames}});
+  if (!p.whyNot.empty()) j["why_not"] = p.whyNot;
+  j["not_applied"] = p.notApplied;
+  return j;
+}
+
+Json coloursJson(const StudySet& set, std::size_t n, const std::vector<PixelPlace>& places) {
+  const auto facts = colourFacts(set, n, places);
+  if (!facts) return {{"error", toJson(facts.error())}};
+  Json j{{"rgb_mean", facts->rgbMean}};
+  j["probes"] = Json::array();
+  for (std::size_t p = 0; p < places.size(); ++p)
+    j["probes"].push_back({{"row", places[p].row},
+                           {"column", places[p].column},
+                           {"stored", facts->stored[p]},
+                           {"rgb", facts->rgb[p]}});
+  return j;
+}
+
 Json pixelsJson(const StudySet& set, std::size_t n, const std::vector<PixelPlace>& places) {
   const Instance& i = set.instances[n];
+  if (!i.pixelError && i.pixels.samplesPerPixel > 1) return coloursJson(set, n, places);
   const auto facts = pixelFacts(set, n, places);
   if (!facts) return {{"error", toJson(facts.error())}};
   Json j{
@@ -177,6 +204,8 @@ Json pixelsJson(const StudySet& set, std::size_t n, const std::vector<PixelPlace
     j[low] = r->min;
     j[high] = r->max;
   };
+  if (i.palette)
+    if (const auto colours = colourFacts(set, n, {})) j["rgb_mean"] = colours->rgbMean;
   if (i.paddingFirst) j["padding_pixels"] = facts->paddingPixels;
   range(facts->modality, "modality_min", "modality_max");
   range(facts->modalityValid, "modality_min_without_padding", "modality_max_without_padding");
@@ -314,9 +343,35 @@ Json objectsJson(const StudySet& set, const InfoOptions& options) {
   return Json(std::move(objects));
 }
 
-Json totalsJson(const StudySet& set) {
+Json surfaceJson(const SurfaceRecord& s) {
+  if (s.error) return {{"file", s.shown}, {"error", toJson(*s.error)}};
+  Json j{{"file", s.shown}, {"format", s.file.format}, {"bytes", s.file.bytes}};
+  if (s.file.declaredTriangles) j["triangles_declared"] = *s.file.declaredTriangles;
+  if (s.file.bytesExpected) j["bytes_expected"] = *s.file.bytesExpected;
+  j["triangles"] = s.file.triangles;
+  j["zero_area_triangles"] = s.file.dropped.zeroArea;
+  j["not_finite_triangles"] = s.file.dropped.notFinite;
+  j["duplicate_triangles"] = s.facts.duplicateTriangles;
+  j["unit"] = "mm (assumed)";
+  j["lowest_mm"] = toJson(s.lowest.p);
+  j["highest_mm"] = toJson(s.highest.p);
+  j["extent_mm"] = toJson(s.facts.extent_mm.v);
+  j["extent_along_principal_axis_mm"] = s.facts.extentAlongPrincipalAxis_mm;
+  j["distinct_vertices"] = s.vertices;
+  j["distinct_edges"] = s.facts.distinctEdges;
+  j["edges_used_once"] = s.facts.edgesUsedOnce;
+  j["edges_used_over_twice"] = s.facts.edgesUsedOverTwice;
+  j["directed_edges_used_over_once"] = s.facts.directedEdgesUsedTwice;
+  j["closed"] = s.facts.closed;
+  j["area_mm2"] = s.facts.area_mm2;
+  j["signed_volume_mm3"] = s.facts.closed ? Json(s.facts.signedVolume_mm3) : Json(nullptr);
+  j["findings"] = toJson(s.file.findings);
+  return j;
+}
+
+Json totalsJson(const StudySet& set, const std::vector<SurfaceRecord>& surfaces) {
   std::map<std::string, std::size_t> kinds;
-  for (const FileRecord& f : set.files) ++kinds[nameOf(f.kind)];
+  for (const FileRecord& f : set.files) ++kinds[surfaceNamed(surfaces, f.shown) ? "surface" : nameOf(f.kind)];
   std::map<std::string, std::size_t> uids;
   std::size_t images = 0, frames = 0, repeating = 0;
   for (const Instance& i : set.instances) {
@@ -339,7 +394,7 @@ Json totalsJson(const StudySet& set) {
 }  // namespace
 
 std::string infoJson(const StudySet& set, const InfoOptions& options, const std::vector<VolumeFile>& volumes) {
-  Json j{{"schema", "vernier-info/1"}, {"totals", totalsJson(set)}};
+  Json j{{"schema", "vernier-info/1"}, {"totals", totalsJson(set, options.surfaces)}};
   j["patients"] = Json::array();
   for (const Patient& p : set.patients)
     j["patients"].push_back({{"id", p.id},
@@ -358,13 +413,18 @@ std::string infoJson(const StudySet& set, const InfoOptions& options, const std:
                             {"series", s.series}});
   j["series"] = Json::array();
   for (const Series& s : set.series) j["series"].push_back(toJson(set, s));
+  j["presentations"] = Json::array();
+  for (const PresentationState& p : set.presentations) j["presentations"].push_back(toJson(set, p));
   j["findings"] = toJson(set.findings);
   j["objects"] = objectsJson(set, options);
   j["volume_files"] = volumeFilesJson(set, volumes, options);
+  j["surfaces"] = Json::array();
+  for (const SurfaceRecord& s : options.surfaces) j["surfaces"].push_back(surfaceJson(s));
   j["files"] = Json::array();
   for (const FileRecord& f : set.files) {
-    Json file{{"file", f.shown}, {"bytes", f.bytes}, {"kind", nameOf(f.kind)}};
-    if (f.error) file["error"] = toJson(*f.error);
+    const SurfaceRecord* surface = surfaceNamed(options.surfaces, f.shown);
+    Json file{{"file", f.shown}, {"bytes", f.bytes}, {"kind", surface ? "surface" : nameOf(f.kind)}};
+    if (const auto& error = surface ? surface->error : f.error) file["error"] = toJson(*error);
     j["files"].push_back(std::move(file));
   }
   // File names may hold any byte; what is not UTF-8 shows as the replacement character.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "InfoSurfaces.h"
 #include "vernier/study/Load.h"
 #include "vernier/volume/VolumeFile.h"
 
@@ -18,9 +19,11 @@ struct InfoProbe {
 struct InfoOptions {
   bool pixels = false;  // decode every image: SHA-256 of stored values, extrema, sum
   std::vector<InfoProbe> probes;
+  std::vector<SurfaceRecord> surfaces;  // of the same set
 };
 
 std::string infoJson(const StudySet&, const InfoOptions& = {}, const std::vector<VolumeFile>& = {});
-std::string infoText(const StudySet&, const std::vector<VolumeFile>& = {});
+std::string infoText(const StudySet&, const std::vector<VolumeFile>& = {},
+                     const std::vector<SurfaceRecord>& = {});
 
 }  // namespace vernier

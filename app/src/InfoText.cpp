@@ -145,6 +145,38 @@ void addSeries(const StudySet& set, std::size_t index, std::string& out) {
   addFindings(s.findings, "      ", out);
 }
 
+void addPresentations(const StudySet& set, std::string& out) {
+  std::set<std::string_view> images;
+  if (!set.presentations.empty())
+    for (const Instance& i : set.instances)
+      if (i.isImage) images.insert(i.sopInstanceUid);
+  for (std::size_t n = 0; n < set.presentations.size(); ++n) {
+    const PresentationState& p = set.presentations[n];
+    std::size_t present = 0;
+    for (const ReferencedImage& r : p.images) present += images.count(r.sopInstanceUid);
+    out += "Presentation " + std::to_string(n + 1) + "  " + safe(orDash(p.label)) + "  " +
+           safe(orDash(p.description)) + "  for " + count(p.images.size(), "image") + ", " +
+           std::to_string(present) + " of them here\n";
+    if (!p.whyNot.empty()) out += "    " + p.whyNot + "\n";
+    for (const std::string& what : p.notApplied) out += "    not applied: " + what + "\n";
+  }
+}
+
+void addSurface(const SurfaceRecord& s, std::string& out) {
+  if (s.error) {
+    out += "Failed " + safe(s.shown) + ": " + safe(s.error->sentence) + "\n";
+    return;
+  }
+  const glm::dvec3 size = s.facts.extent_mm.v;
+  out += "Surface " + safe(s.shown) + "  " + s.file.format + ", " +
+         count(s.file.triangles - s.file.dropped.zeroArea - s.file.dropped.notFinite, "triangle") + ", " +
+         number(size.x) + " x " + number(size.y) + " x " + number(size.z) + " mm, area " +
+         number(s.facts.area_mm2, 1) + " mm2, " +
+         (s.facts.closed ? "closed, volume " + number(s.facts.signedVolume_mm3, 1) + " mm3" : "not closed") +
+         "\n";
+  addFindings(s.file.findings, "  ", out);
+}
+
 // Numbered after the series, as --series takes them.
 void addVolumeFile(const StudySet& set, const VolumeFile& v, std::size_t index, std::string& out) {
   out += "Volume file " + std::to_string(index + 1) + "  " + safe(set.files[v.file].shown);
@@ -164,7 +196,8 @@ void addVolumeFile(const StudySet& set, const VolumeFile& v, std::size_t index, 
 
 }  // namespace
 
-std::string infoText(const StudySet& set, const std::vector<VolumeFile>& volumes) {
+std::string infoText(const StudySet& set, const std::vector<VolumeFile>& volumes,
+                     const std::vector<SurfaceRecord>& surfaces) {
   std::string out;
   std::set<std::size_t> shown;  // a damaged study may stand under several patients
   for (const Patient& p : set.patients) {
@@ -179,10 +212,13 @@ std::string infoText(const StudySet& set, const std::vector<VolumeFile>& volumes
       for (const std::size_t s : study.series) addSeries(set, s, out);
     }
   }
+  addPresentations(set, out);
   for (std::size_t v = 0; v < volumes.size(); ++v) addVolumeFile(set, volumes[v], set.series.size() + v, out);
+  for (const SurfaceRecord& s : surfaces) addSurface(s, out);
   addFindings(set.findings, "", out);
   std::size_t directories = 0, noObject = 0, notDicom = 0;
   for (const FileRecord& f : set.files) {
+    if (surfaceNamed(surfaces, f.shown)) continue;
     directories += f.kind == FileKind::DicomDir;
     noObject += f.kind == FileKind::NoSopClass || f.kind == FileKind::Unreadable;
     notDicom += f.kind == FileKind::NotDicom;
@@ -194,6 +230,7 @@ std::string infoText(const StudySet& set, const std::vector<VolumeFile>& volumes
          std::to_string(set.studies.size()) + (set.studies.size() == 1 ? " study, " : " studies, ") +
          count(set.series.size(), "series") + ", " + count(set.instances.size(), "object");
   if (!volumes.empty()) out += "; " + count(volumes.size(), "volume file");
+  if (!surfaces.empty()) out += "; " + count(surfaces.size(), "surface");
   if (directories > 0) out += "; " + count(directories, "DICOMDIR");
   if (noObject > 0) out += "; " + count(noObject, "file") + " without a readable object";
   if (notDicom > 0) out += "; " + count(notDicom, "file") + " not DICOM";

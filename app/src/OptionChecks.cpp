@@ -72,6 +72,7 @@ Result<void> keepSources(const Session* session, const std::vector<std::string>&
   if (session) {
     for (const FileRecord& f : session->study().files) hit = hit || same(f.path);
     for (const VolumeFile& v : session->volumeFiles()) hit = hit || (v.facts && same(v.facts->dataFile.path));
+    for (const std::string& file : session->surfaceFiles()) hit = hit || same(file);
   }
   if (hit)
     return makeError(ErrorCode::WouldOverwriteSource,

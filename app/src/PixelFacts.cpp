@@ -2,10 +2,13 @@
 #include "PixelFacts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
 #include "Sha256.h"
+#include "vernier/volume/Colour.h"
+
 namespace vernier {
 namespace {
 
@@ -62,6 +65,39 @@ bool hasModality(const Instance& i) {
 }
 
 }  // namespace
+
+Result<ColourFacts> colourFacts(const StudySet& set, std::size_t instance,
+                                const std::vector<PixelPlace>& probes) {
+  const Instance& i = set.instances[instance];
+  if (i.pixelError) return *i.pixelError;
+  const auto bytes = i.pixels.frameBytes();
+  if (!bytes) return bytes.error();
+  std::vector<std::byte> frame(*bytes);
+  ColourSpace space = ColourSpace::Grey;
+  if (const auto done = decodeSlice(set, {instance, 0}, frame, &space); !done) return done.error();
+  const std::size_t samples = i.pixels.samplesPerPixel, pixels = i.pixels.rows * i.pixels.columns;
+  std::vector<double> values(pixels * samples);
+  widen(i.pixels.sample, frame, values);
+  const auto colourAt = [&](std::size_t p) {
+    std::array<double, 3> s{};
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(p * samples), samples, s.begin());
+    return rgbOf(space, s, i.pixels.bitsStored, i.palette.get());
+  };
+  ColourFacts facts;
+  for (std::size_t p = 0; p < pixels; ++p) {
+    const glm::dvec3 rgb = colourAt(p);
+    for (int c = 0; c < 3; ++c) facts.rgbMean[static_cast<std::size_t>(c)] += std::floor(255 * rgb[c] + 0.5);
+  }
+  for (double& m : facts.rgbMean) m /= static_cast<double>(pixels);
+  for (const PixelPlace& p : probes) {
+    const std::size_t at = p.row * i.pixels.columns + p.column;
+    const glm::dvec3 rgb = 255.0 * colourAt(at);
+    facts.rgb.push_back({rgb.x, rgb.y, rgb.z});
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(at * samples);
+    facts.stored.emplace_back(first, first + static_cast<std::ptrdiff_t>(samples));
+  }
+  return facts;
+}
 
 Result<PixelFacts> pixelFacts(const StudySet& set, std::size_t instance,
                               const std::vector<PixelPlace>& probes) {

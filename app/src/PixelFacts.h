@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Facts of the stored values of one object, from its decoded frames.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -25,6 +26,13 @@ struct PixelFacts {
 struct PixelPlace {
   std::uint64_t row = 0, column = 0;
 };
+// Of a colour image, frame 0.
+struct ColourFacts {
+  std::array<double, 3> rgbMean{};               // of its 8-bit picture, unscaled
+  std::vector<std::vector<double>> stored;       // samples at the places asked for; an index, of palettes
+  std::vector<std::array<double, 3>> rgb;        // colours there, 0..255
+};
+Result<ColourFacts> colourFacts(const StudySet&, std::size_t instance, const std::vector<PixelPlace>& probes);
 // Decodes all frames of an image of one sample per pixel.
 Result<PixelFacts> pixelFacts(const StudySet&, std::size_t instance, const std::vector<PixelPlace>& probes);
 

@@ -42,11 +42,15 @@ int run(const GlobalOptions& global, const Options& o) {
   const auto begin = Clock::now();
   if (const Result<void> r = session->open(o.view.inputs, terminalProgress(global), stop); !r)
     return report(r.error());
-  for (const auto& [file, option] : {std::pair{o.out, "--out"}, std::pair{o.report, "--report"}})
-    if (const Result<void> r = keepSources(session.get(), o.view.inputs, file, option); !r)
-      return report(r.error());
+  const auto keepAllSources = [&]() -> Result<void> {
+    for (const auto& [file, option] : {std::pair{o.out, "--out"}, std::pair{o.report, "--report"}})
+      if (const Result<void> r = keepSources(session.get(), o.view.inputs, file, option); !r) return r;
+    return {};
+  };
+  if (const Result<void> r = keepAllSources(); !r) return report(r.error());
   Result<RenderRequest> request = makeRequest(*session, o.view, *settings, terminalProgress(global), stop);
   if (!request) return report(request.error());
+  if (const Result<void> r = keepAllSources(); !r) return report(r.error());  // the scene's surfaces too
   request->options.explain = o.explain;
   ReportInput in;
   in.timing.load_ms = msSince(begin);
@@ -64,7 +68,7 @@ int run(const GlobalOptions& global, const Options& o) {
                                           : finishedPicture(*session, request->scene, request->view,
                                                             *rendered, o.view.maxError, o.scale);
     if (!picture) return report(picture.error());
-    if (const Result<void> r = writePng(o.out, *picture, pngTexts(*rendered)); !r) return report(r.error());
+    if (const Result<void> r = writePng(o.out, *picture, pngTexts(request->scene, *rendered)); !r) return report(r.error());
   }
   if (!o.report.empty()) {
     in.session = session.get();
@@ -97,13 +101,16 @@ Command addRender(CLI::App& app, GlobalOptions& global) {
       "Examples:\n"
       "  vernier render STUDY --view stack --slice 12 --out slice.png\n"
       "  vernier render STUDY --view axial --preset brain --out axial.png --report axial.json\n"
+      "  vernier render STUDY --view stack --presentation 1 --out as-intended.png\n"
       "  vernier render STUDY --view slab --slab 10 --slab-mode max --quality reference --out mip.png\n"
       "  vernier render STUDY --view oblique --plane point=0,0,0,normal=1,0,1,up=0,0,1 --explain\n"
       "  vernier render STUDY --view oblique --plane from=-40,10,0,to=40,-5,20,up=0,0,1 --out plane.png\n"
       "  vernier render STUDY --view curved --path \"-38,-30,-85;0,-81,-85;38,-30,-85\" --width 60 --out arch.png\n"
       "  vernier render head.mhd --view coronal --engine gl --out coronal.png\n"
       "  vernier render study.zip --series T1.nii.gz --view axial --out t1.png\n"
-      "  vernier render head.vrp --z-span 128 --view oblique --out head.png");
+      "  vernier render head.vrp --z-span 128 --view oblique --out head.png\n"
+      "  vernier render screw.stl --camera azimuth=30,elevation=20 --out screw.png\n"
+      "  vernier render STUDY --view axial --surface screw.stl --out outline.png");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 

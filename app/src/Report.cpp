@@ -46,6 +46,7 @@ Json planFacts(const Plan& plan) {
   }
   j["rejected"] = Json::array();
   for (const Rejected& r : plan.rejected) j["rejected"].push_back({{"what", r.what}, {"why", r.why}});
+  j["afterwards"] = plan.afterwards;
   j["notes"] = plan.notes;
   return j;
 }

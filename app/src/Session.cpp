@@ -201,6 +201,12 @@ Result<std::shared_ptr<const Volume>> Session::volume(const std::string& source,
   return built;
 }
 
+std::shared_ptr<const PresentationState> Session::presentation(const std::string& uid) const {
+  for (const PresentationState& p : impl_->study.presentations)
+    if (!uid.empty() && p.sopInstanceUid == uid) return std::make_shared<PresentationState>(p);
+  return nullptr;
+}
+
 // By name, or by its number in `info`, which follows those of the series.
 std::optional<std::size_t> Session::Impl::volumeFileNamed(const std::string& wanted) const {
   const std::size_t before = study.series.size();

@@ -16,6 +16,7 @@
 #include "vernier/plan/MakePlan.h"
 #include "vernier/quality/Ladder.h"
 #include "vernier/study/Load.h"
+#include "vernier/volume/SurfaceFile.h"
 #include "vernier/volume/VolumeFile.h"
 
 namespace vernier::app {
@@ -79,10 +80,20 @@ class Session {
   Result<std::shared_ptr<const Volume>> volume(const std::string& source, const ProgressFn& = {},
                                                std::stop_token = {});
   Result<std::shared_ptr<const ImageFrame>> image(const std::string& source, std::int64_t index);
+  // A presentation state of the study by its SOP Instance UID; nullptr where there is none.
+  std::shared_ptr<const PresentationState> presentation(const std::string& sopInstanceUid) const;
   VoiWindow defaultWindowOf(
       const Volume&) const;  // the file's, else the automatic one; found once per volume
   Result<std::int64_t> imageCount(const std::string& source) const;
   void bridgeGaps(bool);
+
+  // Surfaces stand beside what was opened, under the names that scenes use. Without a name: the file's, with
+  // "#2"... where another file has it already.
+  Result<std::string> addSurface(const std::string& path, std::stop_token = {});
+  Result<void> addSurface(const std::string& name, const std::string& path, std::stop_token = {});
+  std::vector<std::string> surfaceFiles() const;  // their paths
+  std::shared_ptr<const SurfaceFile> surface(const std::string& name) const;  // nullptr: none of this name
+
   // Of volume files: which of several volumes; of lists of images: the span of all slices (BuildOptions).
   void readVolumeFilesWith(std::optional<std::int64_t> frame, std::optional<double> zSpan);
   // What source "" stands for, once chosen: a stack of a series, or a volume file; nullptr for the other and before.

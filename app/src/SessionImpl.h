@@ -68,6 +68,8 @@ struct Session::Impl {
   std::optional<double> zSpan;
   std::map<StackChoice, std::shared_ptr<const Volume>> volumes;
   std::map<std::pair<StackChoice, std::int64_t>, std::shared_ptr<const ImageFrame>> images;
+  std::map<std::string, std::shared_ptr<const SurfaceFile>> surfaces;
+  std::map<std::string, std::string> surfacePaths;
   std::optional<Capabilities> capabilities;
   bool lookedForGl = false;
   std::uint64_t derivedBytes = 0;

@@ -68,12 +68,21 @@ Result<Sources> Session::Impl::sourcesFor(Session& session, const Scene& scene, 
       const auto f = session.image(image->source, image->index);
       if (!f) return f.error();
       sources.images[{image->source, image->index}] = *f;
+      if (const auto p = session.presentation(image->presentation)) sources.presentations[image->presentation] = p;
     } else if (const auto* custom = std::get_if<CustomLayer>(&layer); custom) {
       const std::optional<std::string> source = sourceOf(*custom);
       if (!source || plugins.techniques().drawing(custom->kind).empty()) continue;
       const auto v = session.volume(*source, {}, stop);
       if (!v) return v.error();
       sources.volumes[*source] = *v;
+    } else if (const auto* surface = std::get_if<SurfaceLayer>(&layer)) {
+      const auto file = session.surface(surface->source);
+      if (!file)
+        return makeError(ErrorCode::SceneInvalid,
+                         "The scene shows the surface '" + surface->source +
+                             "', which was not given; name its file with --surface.",
+                         "/layers");
+      sources.meshes[surface->source] = file->mesh;
     }
   }
   return sources;
@@ -87,7 +96,8 @@ Result<Plan> Session::plan(const Scene& scene, const View& view, const Quality& 
 
 Scene Session::Impl::withWindows(Scene scene, const Sources& sources) {
   const auto fill = [&](auto* layer) {
-    if (layer && !layer->window) layer->window = windowOf(*sources.volumes.at(layer->source));
+    if (!layer || layer->window) return;
+    if (const Volume& volume = *sources.volumes.at(layer->source); !volume.isColour()) layer->window = windowOf(volume);
   };
   for (Layer& layer : scene.layers) {
     fill(std::get_if<SliceLayer>(&layer));

@@ -9,6 +9,8 @@
 #include <map>
 
 #include "OptionChecks.h"
+#include "PresentationOption.h"
+#include "SurfaceOptions.h"
 #include "vernier/plan/LinkedViews.h"
 #include "vernier/plan/SceneJson.h"
 #include "vernier/volume/Voi.h"
@@ -132,13 +134,16 @@ Result<Camera> parseCamera(const std::string& text) {
                      : key == "roll"      ? &c.roll_deg
                      : key == "fov"       ? &c.fov_deg
                      : key == "zoom"      ? &c.zoom
+                     : key == "near"      ? &c.near_mm
+                     : key == "distance"  ? &c.distance_mm.emplace(0)
                                           : nullptr;
     if (!target)
       return invalid("--camera",
-                     "No key '" + key + "'; there are azimuth, elevation, roll, projection, fov and zoom.");
+                     "No key '" + key + "'; there are azimuth, elevation, roll, projection, fov, zoom, distance and near.");
     if (!x) return invalid("--camera", key + " needs one number.");
     *target = *x;
   }
+  if (!(c.near_mm >= 0)) return invalid("--camera", "near is at least 0 mm.");
   if (!(c.zoom > 0 && c.zoom <= 1e4)) return invalid("--camera", "zoom is above 0 and at most 10000.");
   if (!(c.fov_deg > 0 && c.fov_deg < 180))
     return invalid("--camera", "fov is above 0 and below 180 degrees.");
@@ -203,10 +208,14 @@ Result<std::vector<PatientPoint>> parsePathOption(const std::string& text) {
 
 void addViewOptions(CLI::App& sub, ViewOptions& o) {
   sub.add_option("INPUT", o.inputs,
-                 "Files, folders or ZIP archives: DICOM, NIfTI, NRRD, MetaImage, VTI, raw, lists of images")
+                 "Files, folders or ZIP archives: DICOM, NIfTI, NRRD, MetaImage, VTI, raw, lists of images; or surface "
+                 "files alone")
       ->required();
   auto* view = sub.add_option("--view", o.view, "stack axial coronal sagittal oblique slab curved");
   sub.add_option("--scene", o.sceneFile, "Scene as JSON (docs/scene.md)")->excludes(view);
+  sub.add_option("--surface", o.surfaces,
+                 "A surface file (docs/surfaces.md), mm: an outline on slices, alone in 3-D, or as the scene "
+                 "has it (repeatable)");
   sub.add_option("--series", o.series,
                  "Series Instance UID, volume file or number in `vernier info`, #2 for a second stack");
   sub.add_option("--frame", o.frame, "Of a 4-D volume file: which volume, counted from 0");
@@ -214,7 +223,7 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
       ->check(finiteAboveZero());
   sub.add_option("--size", o.size, "Picture, WxH pixels")->capture_default_str();
   sub.add_option("--camera", o.camera,
-                 "azimuth=30,elevation=20,projection=orthographic,fov=30,zoom=1,roll=0");
+                 "azimuth=30,elevation=20,projection=orthographic,fov=30,zoom=1,roll=0,distance=400,near=0");
   sub.add_option("--plane", o.plane, "point=x,y,z,normal=x,y,z,up=x,y,z or from=x,y,z,to=x,y,z,up=x,y,z in patient mm");
   sub.add_option("--slice", o.slice, "Slice, counted from 0 along the view's axis (absent: the middle)");
   sub.add_option("--slab", o.slab_mm, "Slab thickness in mm, centred on the plane")
@@ -232,6 +241,8 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
   auto* window = sub.add_option("--window", o.window, "CENTER,WIDTH in modality values (HU for CT)");
   sub.add_option("--preset", o.preset, "brain subdural stroke lung bone abdomen mediastinum liver")
       ->excludes(window);
+  sub.add_option("--presentation", o.presentation,
+                 "Presentation state to apply to a stored frame: SOP Instance UID or number in `vernier info`");
   sub.add_option("--engine", o.engine, "auto gl native")->check(CLI::IsMember({"auto", "gl", "native"}));
   sub.add_option("--technique", o.technique, "A technique by name, as in `vernier plugins`");
   sub.add_option("--quality", o.quality, "draft review reference")
@@ -261,7 +272,8 @@ Result<void> nothingBesideScene(const ViewOptions& o) {
       {"--slab-mode", !o.slabMode.empty()}, {"--interpolation", !o.interpolation.empty()},
       {"--window", !o.window.empty()},      {"--preset", !o.preset.empty()},
       {"--path", !o.path.empty()},          {"--width", o.width_mm.has_value()},
-      {"--form", !o.form.empty()},          {"--path-up", !o.pathUp.empty()}};
+      {"--form", !o.form.empty()},          {"--path-up", !o.pathUp.empty()},
+      {"--presentation", !o.presentation.empty()}};
   for (const auto& [option, isGiven] : given)
     if (isGiven) return invalid(option, "It goes with --view; a scene file says this itself.");
   return {};
@@ -281,7 +293,7 @@ Result<void> nothingForStacks(const ViewOptions& o) {
 
 // A slice is turned by its plane; of the camera it has only the zoom.
 Result<void> onlyZoomForFlat(const Scene& scene, const std::string& option) {
-  const bool flat = std::all_of(scene.layers.begin(), scene.layers.end(), [](const Layer& l) {
+  const bool flat = std::any_of(scene.layers.begin(), scene.layers.end(), [](const Layer& l) {
     return std::holds_alternative<SliceLayer>(l) || std::holds_alternative<ImageLayer>(l);
   });
   Camera zoomed;
@@ -369,8 +381,12 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
     const auto image = session.image("", index);
     if (!image) return image.error();
     if (const Result<void> r = withPreset((*image)->info().unit); !r) return r.error();
-    return stackScene("", index, p);
+    Scene scene = stackScene("", index, p);
+    std::get<ImageLayer>(scene.layers.at(0)).presentation = o.presentation;
+    return scene;
   }
+  if (!o.presentation.empty())
+    return invalid("--presentation", "A presentation state is for stored frames; it goes with --view stack.");
   const auto volume = session.volume("", progress, stop);
   if (!volume) return volume.error();
   if (const Result<void> r = withPreset((*volume)->info().unit); !r) return r.error();
@@ -388,33 +404,70 @@ Result<void> knownTechnique(Session& session, const std::string& name) {
   return invalid("--technique", "No technique is called '" + name + "'; there are " + names + ".");
 }
 
-}  // namespace
-
-Result<RenderRequest> makeRequest(Session& session, const ViewOptions& o, const Settings& settings,
-                                  const ProgressFn& progress, std::stop_token stop) {
-  RenderRequest r;
-  const Result<glm::ivec2> size = parseSize(o.size);
-  if (!size) return size.error();
-  r.view.width_px = size->x;
-  r.view.height_px = size->y;
-  const Result<StackChoice> choice = session.choose(o.series);
+// A presentation state brings its own image: `o` then names its SOP Instance UID and its slice.
+Result<void> chooseSeries(Session& session, ViewOptions& o) {
+  Result<StackChoice> choice = session.choose(o.series);
   if (!choice) return choice.error();
+  if (!o.presentation.empty()) {
+    const auto state = choosePresentation(session, o.presentation,
+                                          o.series.empty() ? std::nullopt : std::optional(*choice));
+    if (!state) return state.error();
+    choice = state->stack;
+    o.presentation = state->sopInstanceUid;
+    if (!o.slice) o.slice = state->slice;
+  }
   session.use(*choice);
   if (o.frame && !choice->volumeFile)
     return invalid("--frame", "It chooses a volume of a 4-D volume file; a DICOM series is chosen with --series.");
   if (o.zSpan && !choice->volumeFile) return invalid("--z-span", "It is said of lists of images.");
   session.readVolumeFilesWith(o.frame, o.zSpan);
-  session.bridgeGaps(o.bridge);
-  if (const Result<void> known = knownTechnique(session, o.technique); !known) return known.error();
+  return {};
+}
+
+// By --view or --scene.
+Result<Scene> sceneOfVolumes(Session& session, const ViewOptions& o, const std::vector<std::string>& surfaces,
+                             const ProgressFn& progress, std::stop_token stop) {
   if (o.view.empty() && o.sceneFile.empty())
     return invalid("--view", "Say what to draw with --view or --scene.");
+  if (!o.view.empty() && onlySurfaces(o))
+    return invalid("--view", "The views are of volumes; leave it out to see the surface.");
+  if ((o.view == "stack" || o.view == "curved") && !o.surfaces.empty())
+    return invalid("--surface", "The view " + o.view +
+                                    " shows no surfaces yet; use axial, coronal, sagittal, oblique or slab.");
   if (!o.sceneFile.empty())
     if (const Result<void> alone = nothingBesideScene(o); !alone) return alone.error();
   Result<Scene> scene =
       o.sceneFile.empty() ? sceneFromView(session, o, progress, stop) : sceneFromFile(o.sceneFile);
-  if (!scene) return scene.error();
+  if (!scene) return scene;
+  // What the scene itself shows of the surfaces that were given is left as it has it.
+  addSurfaceLayers(*scene, surfaces);
   if (!o.camera.empty())
     if (const Result<void> flat = onlyZoomForFlat(*scene, o.camera); !flat) return flat.error();
+  if (const Result<void> found = findSurfaces(session, *scene, o.sceneFile, stop); !found)
+    return found.error();
+  return scene;
+}
+
+}  // namespace
+
+Result<RenderRequest> makeRequest(Session& session, const ViewOptions& given, const Settings& settings,
+                                  const ProgressFn& progress, std::stop_token stop) {
+  RenderRequest r;
+  ViewOptions o = given;
+  const Result<glm::ivec2> size = parseSize(o.size);
+  if (!size) return size.error();
+  r.view.width_px = size->x;
+  r.view.height_px = size->y;
+  const Result<std::vector<std::string>> surfaces = addSurfaces(session, o, stop);
+  if (!surfaces) return surfaces.error();
+  const bool alone = o.view.empty() && o.sceneFile.empty() && !surfaces->empty();
+  if (!onlySurfaces(o) && !alone)
+    if (const Result<void> chosen = chooseSeries(session, o); !chosen) return chosen.error();
+  session.bridgeGaps(o.bridge);
+  if (const Result<void> known = knownTechnique(session, o.technique); !known) return known.error();
+  Result<Scene> scene =
+      alone ? sceneOfSurfaces(o, *surfaces) : sceneOfVolumes(session, o, *surfaces, progress, stop);
+  if (!scene) return scene.error();
   r.scene = std::move(*scene);
   r.viewName = o.view;
   const std::string engine = o.engine.empty() ? settings.engine : o.engine;

@@ -11,9 +11,9 @@
 namespace vernier::app {
 
 struct ViewOptions {
-  std::vector<std::string> inputs;
+  std::vector<std::string> inputs, surfaces;
   std::string view, sceneFile, series;
-  std::string size = "512x512", camera, plane, slabMode, window, preset, interpolation;  // "" = not given
+  std::string size = "512x512", camera, plane, slabMode, window, preset, interpolation, presentation;  // "" = not given
   std::optional<std::int64_t> slice, frame;
   std::optional<double> slab_mm, zSpan;
   std::string path, form, pathUp;  // of the view curved

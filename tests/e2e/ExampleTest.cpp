@@ -127,7 +127,7 @@ TEST_F(Example, AnotherBuildTypeIsRefusedByName) {
 TEST_F(Example, ColoursTheBandAndNothingElse) {
   const std::string folder = plugins("same");
   const ProgramRun r =
-      render(scene(R"({"kind": "example.band", "low": 101, "high": 300, "opacity": 0.5})"), "band", folder);
+      render(scene(R"({"kind": "example.band", "low": 101, "high": 305, "opacity": 0.5})"), "band", folder);
   ASSERT_EQ(r.exitCode, 0) << r.err;
   expectPixels(picture("band"), [](int x, int) { return x >= 11 && x <= 30; });
   const json said = report("band");
@@ -139,7 +139,7 @@ TEST_F(Example, ColoursTheBandAndNothingElse) {
 
 TEST_F(Example, TheOutlineIsOnePixelWide) {
   const ProgramRun r =
-      render(scene(R"({"kind": "example.band", "low": 101, "high": 300, "opacity": 0.5, "outline": true})"),
+      render(scene(R"({"kind": "example.band", "low": 101, "high": 305, "opacity": 0.5, "outline": true})"),
              "line", plugins("same"));
   ASSERT_EQ(r.exitCode, 0) << r.err;
   expectPixels(picture("line"), [](int x, int y) {
@@ -164,7 +164,7 @@ TEST_F(Example, WhatCannotBeDrawnIsSaidWithItsPlace) {
 
 TEST_F(Example, RemovingItsFolderRemovesItsLayerAndNothingElse) {
   const std::string folder = plugins("same");
-  const std::string withBand = scene(R"({"kind": "example.band", "low": 101, "high": 300})");
+  const std::string withBand = scene(R"({"kind": "example.band", "low": 101, "high": 305})");
   fs::remove_all(fs::path(folder) / "example");
   EXPECT_TRUE(pluginNamed("example", folder).is_null());
   EXPECT_EQ(pluginNamed("mpr", folder)["state"], "loaded");

@@ -3,6 +3,7 @@
 
 #include <dcmtk/config/osconfig.h>
 #include <dcmtk/dcmdata/dcrleerg.h>
+#include <dcmtk/dcmdata/dcpath.h>
 #include <dcmtk/dcmdata/dctk.h>
 
 #include <cstdio>
@@ -54,6 +55,12 @@ void putAny(DcmItem& item, const DcmTagKey& key, const std::string& value, bool 
     tag.setVR(DcmVR(EVR_US));
     check(item.putAndInsertUint16(tag, static_cast<Uint16>(number)), "attribute");
   }
+}
+
+void putWords(DcmItem& item, const DcmTagKey& key, const std::vector<std::uint16_t>& values) {
+  DcmTag tag(key);
+  if (tag.getEVR() != EVR_OW) tag.setVR(DcmVR(tag.getEVR() == EVR_lt ? EVR_OW : EVR_US));
+  check(item.putAndInsertUint16Array(tag, values.data(), static_cast<unsigned long>(values.size())), "words");
 }
 
 void putPixels(DcmDataset& d, const DicomSlice& s) {
@@ -114,6 +121,9 @@ void fill(DcmDataset& d, const DicomSlice& s) {
   put(d, DCM_RescaleSlope, numbers(std::array<double, 1>{s.slope}));
   putPixels(d, s);
   for (const auto& [tag, value] : s.set) putAny(d, keyOf(tag), value, s.isSigned);
+  for (const auto& [tag, values] : s.words) putWords(d, keyOf(tag), values);
+  DcmPathProcessor paths;
+  for (const std::string& path : s.sequences) check(paths.applyPathWithValue(&d, path.c_str()), "sequence");
   for (const std::string& tag : s.erase) d.findAndDeleteElement(keyOf(tag));
 }
 

@@ -37,6 +37,10 @@ struct DicomSlice {
   // {"0018,0081", "90"}: text of any attribute, values divided by a backslash; applied last.
   std::vector<std::pair<std::string, std::string>> set;
   std::vector<std::string> erase;  // {"0020,0032"}
+  // {"0028,1201", {0, 65535}}: words of an attribute of VR US or OW, as palettes and their descriptors are.
+  std::vector<std::pair<std::string, std::vector<std::uint16_t>>> words;
+  // "VOILUTSequence[0].LUTDescriptor=256\\0\\8": any attribute by its path, as in MakePresentation.h.
+  std::vector<std::string> sequences;
 
   // Implicit LE, Explicit LE (default), Explicit BE, Deflated, or RLE lossless.
   std::string transferSyntaxUid = "1.2.840.10008.1.2.1";

@@ -64,8 +64,8 @@ Json measure(const Json& m, const std::vector<Solid>& solids) {
 }
 
 // The voxel of a series whose centre is nearest to a point, with its exact stored value.
-Json probe(const Json& p, const StudyPlan& study, const SeriesPlan& series, const Field& field,
-           const std::vector<Solid>& solids) {
+Json probe(const Json& p, const StudyPlan& study, const SeriesPlan& series,
+           const std::vector<const Field*>& fields, const std::vector<Solid>& solids) {
   const glm::dvec3 wanted =
       p.contains("of") ? named(solids, p["of"].get<std::string>()).centre_mm : vecOf(p["at_mm"]);
   const SlicePlan* best = nullptr;
@@ -88,8 +88,26 @@ Json probe(const Json& p, const StudyPlan& study, const SeriesPlan& series, cons
   const glm::dvec3 centre = best->origin_mm +
                             static_cast<double>(i) * series.columnSpacing_mm * best->rowDirection +
                             static_cast<double>(j) * series.rowSpacing_mm * best->columnDirection;
-  const std::vector<std::int32_t> stored = sampleSlice(field, series, *best, study.seed);
-  const std::int32_t value = stored[static_cast<std::size_t>(j * series.columns + i)];
+  const std::size_t channels = fields.size(), at = static_cast<std::size_t>(j * series.columns + i) * channels;
+  const std::vector<std::int32_t> stored = sampleChannels(fields, channels, series, *best, study.seed);
+  Json place{{"name", p.at("name")},
+             {"file", best->fileName},
+             {"column", i},
+             {"row", j},
+             {"patient_mm", jsonOf(centre)}};
+  if (channels > 1) {  // red, green, blue and alpha, which the DICOM files do not have
+    place["stored"] = Json(std::vector<std::int32_t>(stored.begin() + static_cast<std::ptrdiff_t>(at),
+                                                     stored.begin() + static_cast<std::ptrdiff_t>(at + channels)));
+    return place;
+  }
+  const std::int32_t value = stored[at];
+  if (!series.palette.empty()) {
+    place["stored"] = value;
+    place["rgb"] = series.palette[static_cast<std::size_t>(value)];
+    place["palette_bits"] = series.paletteBits;
+    return place;
+  }
+  const Field& field = *fields.front();
   Json out{{"name", p.at("name")},
            {"file", best->fileName},
            {"column", i},
@@ -103,8 +121,35 @@ Json probe(const Json& p, const StudyPlan& study, const SeriesPlan& series, cons
   return out;
 }
 
-Json describe(const StudyPlan& study, const SeriesPlan& s, const Json& recipe, const Field& field,
-              const std::vector<Solid>& solids, const std::vector<SliceSums>& sums) {
+// What a picture of the slice shows at each of the probes under the presentation state: LINEAR window, inversion and
+// shutter of PS3.3, in 0..1; and at which column and row of the frame as it is turned and flipped.
+Json presentationAnswers(const PresentationPlan& p, const SeriesPlan& s, const Json& probes) {
+  Json out{{"sop_instance_uid", p.sopUid}, {"file", p.fileName}, {"image_file", s.slices.at(p.slice).fileName},
+           {"label", p.label}, {"shown", Json::array()}};
+  for (const Json& probe : probes) {
+    if (probe.at("file") != s.slices.at(p.slice).fileName) continue;
+    const std::int64_t column = probe.at("column"), row = probe.at("row");
+    const double x = probe.at("modality"), y = (x - (p.center - 0.5)) / (p.width - 1) + 0.5;
+    double grey = std::clamp(y, 0.0, 1.0);
+    if (p.inverse) grey = 1 - grey;
+    if (column + 1 < p.shutter[0] || column + 1 > p.shutter[1] || row + 1 < p.shutter[2] || row + 1 > p.shutter[3])
+      grey = p.shutterValue / 65535.0;
+    std::int64_t across = column, down = row, width = s.columns, height = s.rows;
+    for (int turned = 0; turned < p.rotation_deg; turned += 90) {
+      const std::int64_t before = across;
+      across = height - 1 - down;
+      down = before;
+      std::swap(width, height);
+    }
+    if (p.flip) across = width - 1 - across;
+    out["shown"].push_back({{"name", probe.at("name")}, {"column", across}, {"row", down}, {"grey", grey}});
+  }
+  return out;
+}
+
+Json describe(const StudyPlan& study, const SeriesPlan& s, const Json& recipe,
+              const std::vector<const Field*>& fields, const std::vector<Solid>& solids,
+              const std::vector<SliceSums>& sums) {
   Json slices = Json::array();
   std::int64_t total = 0;
   int low = std::numeric_limits<int>::max(), high = std::numeric_limits<int>::min();
@@ -126,8 +171,8 @@ Json describe(const StudyPlan& study, const SeriesPlan& s, const Json& recipe, c
   }
   Json probes = Json::array();
   for (const Json& p : recipe.value("probes", Json::array()))
-    probes.push_back(probe(p, study, s, field, solids));
-  return {{"series_uid", s.seriesUid},
+    probes.push_back(probe(p, study, s, fields, solids));
+  Json out{{"series_uid", s.seriesUid},
           {"description", s.description},
           {"modality", modalityOf(s.storage)},
           {"transfer_syntax", s.transferSyntaxUid},
@@ -148,6 +193,9 @@ Json describe(const StudyPlan& study, const SeriesPlan& s, const Json& recipe, c
           {"stored_sum", total},
           {"probes", probes},
           {"slices", slices}};
+  if (s.samples > 1) out["samples"] = s.samples;
+  if (study.presentation) out["presentation"] = presentationAnswers(*study.presentation, s, probes);
+  return out;
 }
 
 }  // namespace
@@ -162,8 +210,8 @@ SliceSums sumsOf(const std::vector<std::int32_t>& stored) {
   return s;
 }
 
-Json answersOf(const Json& recipe, const std::string& variant, const StudyPlan& study, const Field& field,
-               const std::vector<Solid>& solids, const std::vector<std::vector<SliceSums>>& sums) {
+Json answersOf(const Json& recipe, const std::string& variant, const StudyPlan& study,
+               const std::vector<const Field*>& fields, const std::vector<Solid>& solids, const std::vector<std::vector<SliceSums>>& sums) {
   Json out{{"schema", "vernier-phantom-answers/1"},
            {"name", study.name},
            {"summary", recipe.at("summary")},
@@ -172,14 +220,14 @@ Json answersOf(const Json& recipe, const std::string& variant, const StudyPlan& 
            {"study_uid", study.studyUid},
            {"frame_of_reference_uid", study.frameOfReferenceUid},
            {"findings", study.findings},
-           {"source", recipe.at("source").at("kind")}};
+           {"source", recipe.contains("source") ? recipe["source"].at("kind") : recipe.at("channels").at(0).at("kind")}};
   if (recipe.contains("formula")) out["formula"] = recipe["formula"];
   Json measures = Json::array();
   for (const Json& m : recipe.value("measures", Json::array())) measures.push_back(measure(m, solids));
   out["measures"] = measures;
   out["series"] = Json::array();
   for (std::size_t n = 0; n < study.series.size(); ++n)
-    out["series"].push_back(describe(study, study.series[n], recipe, field, solids, sums[n]));
+    out["series"].push_back(describe(study, study.series[n], recipe, fields, solids, sums[n]));
   return out;
 }
 

@@ -16,7 +16,8 @@ struct SliceSums {
 SliceSums sumsOf(const std::vector<std::int32_t>& stored);
 
 // sums[series][slice], as in the plan.
-Json answersOf(const Json& recipe, const std::string& variant, const StudyPlan&, const Field&,
-               const std::vector<Solid>&, const std::vector<std::vector<SliceSums>>& sums);
+Json answersOf(const Json& recipe, const std::string& variant, const StudyPlan&,
+               const std::vector<const Field*>&, const std::vector<Solid>&,
+               const std::vector<std::vector<SliceSums>>& sums);
 
 }  // namespace vernier::phantoms

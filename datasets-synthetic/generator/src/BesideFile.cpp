@@ -53,9 +53,9 @@ void putSegments(const Data& d, const Json& segments) {
     };
     coded(DCM_SegmentedPropertyCategoryCodeSequence, s.at("category"));
     coded(DCM_SegmentedPropertyTypeCodeSequence, s.at("type"));
-    for (unsigned long c = 0; c < 3; ++c)
-      check(item.item.putAndInsertUint16(DCM_RecommendedDisplayCIELabValue, s.at("cielab").at(c), c),
-            "colour");
+    Uint16 lab[3];
+    for (std::size_t c = 0; c < 3; ++c) lab[c] = s.at("cielab").at(c);
+    check(item.item.putAndInsertUint16Array(DCM_RecommendedDisplayCIELabValue, lab, 3), "colour");
   }
 }
 

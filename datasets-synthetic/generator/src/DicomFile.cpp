@@ -12,15 +12,6 @@
 #include "Sample.h"
 
 namespace vernier::phantoms {
-namespace {
-
-// The patient letter of a direction's largest component.
-const char* letterOf(glm::dvec3 v) {
-  const glm::dvec3 a = glm::abs(v);
-  if (a.x >= a.y && a.x >= a.z) return v.x > 0.0 ? "L" : "R";
-  if (a.y >= a.z) return v.y > 0.0 ? "P" : "A";
-  return v.z > 0.0 ? "H" : "F";
-}
 
 const char* classOf(Storage s) {
   switch (s) {
@@ -35,6 +26,16 @@ const char* classOf(Storage s) {
       break;  // MultiFrame.cpp
   }
   return "";
+}
+
+namespace {
+
+// The patient letter of a direction's largest component.
+const char* letterOf(glm::dvec3 v) {
+  const glm::dvec3 a = glm::abs(v);
+  if (a.x >= a.y && a.x >= a.z) return v.x > 0.0 ? "L" : "R";
+  if (a.y >= a.z) return v.y > 0.0 ? "P" : "A";
+  return v.z > 0.0 ? "H" : "F";
 }
 
 void putSeries(const Data& d, const StudyPlan& study, const SeriesPlan& series) {
@@ -81,9 +82,47 @@ void putImage(const Data& d, const SeriesPlan& series, const SlicePlan& slice) {
   d.text(DCM_SliceThickness, dsOf(series.thickness_mm));
 }
 
+// Red and green run evenly and are one linear segment behind their first entry; blue is listed.
+std::vector<Uint16> segmentsOf(const std::vector<Uint16>& entries, bool even) {
+  const auto count = static_cast<Uint16>(entries.size());
+  if (even) return {0, 1, entries.front(), 1, static_cast<Uint16>(count - 1), entries.back()};
+  std::vector<Uint16> all{0, count};
+  all.insert(all.end(), entries.begin(), entries.end());
+  return all;
+}
+
+void putPalette(const Data& d, const SeriesPlan& series) {
+  const DcmTagKey descriptors[] = {DCM_RedPaletteColorLookupTableDescriptor, DCM_GreenPaletteColorLookupTableDescriptor,
+                                   DCM_BluePaletteColorLookupTableDescriptor};
+  const DcmTagKey tables[] = {DCM_RedPaletteColorLookupTableData, DCM_GreenPaletteColorLookupTableData,
+                              DCM_BluePaletteColorLookupTableData};
+  const DcmTagKey segments[] = {DCM_SegmentedRedPaletteColorLookupTableData,
+                                DCM_SegmentedGreenPaletteColorLookupTableData,
+                                DCM_SegmentedBluePaletteColorLookupTableData};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Uint16 descriptor[3] = {static_cast<Uint16>(series.palette.size()), 0,
+                                  static_cast<Uint16>(series.paletteBits)};
+    check(d.item.putAndInsertUint16Array(DcmTag(descriptors[c], EVR_US), descriptor, 3), "palette");
+    std::vector<Uint16> words;
+    for (const auto& entry : series.palette) words.push_back(entry[c]);
+    if (series.paletteBits == 8) {  // two entries in each word
+      for (std::size_t n = 0; n < words.size() / 2; ++n)
+        words[n] = static_cast<Uint16>(words[2 * n] | words[2 * n + 1] << 8);
+      words.resize(words.size() / 2);
+    }
+    if (series.paletteSegmented) words = segmentsOf(words, c < 2);
+    check(d.item.putAndInsertUint16Array(series.paletteSegmented ? segments[c] : tables[c], words.data(),
+                                         static_cast<unsigned long>(words.size())),
+          "palette");
+  }
+}
+
 void putPixelDescription(const Data& d, const SeriesPlan& series) {
-  d.number(DCM_SamplesPerPixel, 1);
-  d.text(DCM_PhotometricInterpretation, "MONOCHROME2");
+  d.number(DCM_SamplesPerPixel, series.samples);
+  d.text(DCM_PhotometricInterpretation, series.samples == 3      ? "RGB"
+                                        : series.palette.empty() ? "MONOCHROME2"
+                                                                 : "PALETTE COLOR");
+  if (series.samples == 3) d.number(DCM_PlanarConfiguration, 0);
   d.number(DCM_Rows, static_cast<int>(series.rows));
   d.number(DCM_Columns, static_cast<int>(series.columns));
   d.number(DCM_BitsAllocated, series.bitsAllocated);
@@ -97,7 +136,8 @@ void putPixelDescription(const Data& d, const SeriesPlan& series) {
     else
       d.number(DCM_PixelPaddingValue, *series.padding);
   }
-  if (series.storage != Storage::Mr) {
+  if (!series.palette.empty()) putPalette(d, series);
+  if (series.storage != Storage::Mr && series.samples == 1 && series.palette.empty()) {
     d.text(DCM_RescaleIntercept, dsOf(series.intercept));
     d.text(DCM_RescaleSlope, dsOf(series.slope));
     d.text(DCM_RescaleType, "HU");
@@ -177,7 +217,6 @@ Result<void> writeDicom(const StudyPlan& study, const SeriesPlan& series, const 
   else
     putPlainPixels(dataset, series, stored);
   putMeta(*format.getMetaInfo(), classOf(series.storage), slice.sopUid, series.transferSyntaxUid);
-
   return saved(format, xfer, file);
 }
 

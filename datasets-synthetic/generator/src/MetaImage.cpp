@@ -32,8 +32,10 @@ Result<void> canBeMetaImage(const StudyPlan& study) {
   return {};
 }
 
-Result<void> writeMetaImage(const SeriesPlan& s, const std::vector<std::int16_t>& volume,
-                            const std::filesystem::path& mhd) {
+namespace {
+
+Result<void> write(const SeriesPlan& s, const std::string& element, const void* voxels, std::size_t bytes,
+                   const std::filesystem::path& mhd) {
   static_assert(std::endian::native == std::endian::little, "the raw file is little endian");
   const SlicePlan& first = s.slices.front();
   const glm::dvec3 normal = glm::cross(first.rowDirection, first.columnDirection);
@@ -45,10 +47,10 @@ Result<void> writeMetaImage(const SeriesPlan& s, const std::vector<std::int16_t>
          << "TransformMatrix = " << triple(first.rowDirection) << ' ' << triple(first.columnDirection) << ' '
          << triple(normal) << "\nOffset = " << triple(first.origin_mm) << "\nCenterOfRotation = 0 0 0\n"
          << "ElementSpacing = " << dsOf(s.columnSpacing_mm) << ' ' << dsOf(s.rowSpacing_mm) << ' '
-         << dsOf(s.step_mm) << "\nDimSize = " << s.columns << ' ' << s.rows << ' ' << s.slices.size()
-         << "\nElementType = MET_SHORT\nElementDataFile = " << raw.filename().string() << '\n';
+         << dsOf(s.step_mm) << "\nDimSize = " << s.columns << ' ' << s.rows << ' ' << s.slices.size() << "\n"
+         << element << "ElementDataFile = " << raw.filename().string() << '\n';
   std::ofstream data(raw, std::ios::binary);
-  data.write(reinterpret_cast<const char*>(volume.data()), static_cast<std::streamsize>(volume.size() * 2));
+  data.write(static_cast<const char*>(voxels), static_cast<std::streamsize>(bytes));
   header.close();
   data.close();
   if (!header || !data)
@@ -56,6 +58,22 @@ Result<void> writeMetaImage(const SeriesPlan& s, const std::vector<std::int16_t>
                      "The MetaImage cannot be written; check the folder and the disk.",
                      mhd.filename().string());
   return {};
+}
+
+}  // namespace
+
+Result<void> writeMetaImage(const SeriesPlan& s, const std::vector<std::int16_t>& volume,
+                            const std::filesystem::path& mhd) {
+  return write(s, "ElementType = MET_SHORT\n", volume.data(), volume.size() * 2, mhd);
+}
+
+Result<void> writeMetaImage(const SeriesPlan& s, const std::vector<std::uint8_t>& interleaved,
+                            const std::filesystem::path& mhd) {
+  const std::size_t voxels = static_cast<std::size_t>(s.columns * s.rows) * s.slices.size();
+  return write(s,
+               "ElementNumberOfChannels = " + std::to_string(interleaved.size() / voxels) +
+                   "\nElementType = MET_UCHAR\n",
+               interleaved.data(), interleaved.size(), mhd);
 }
 
 }  // namespace vernier::phantoms

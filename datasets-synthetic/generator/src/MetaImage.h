@@ -12,5 +12,8 @@ namespace vernier::phantoms {
 Result<void> canBeMetaImage(const StudyPlan&);
 Result<void> writeMetaImage(const SeriesPlan&, const std::vector<std::int16_t>& volume,
                             const std::filesystem::path& mhd);
+// Several channels of 8 bits, interleaved by voxel.
+Result<void> writeMetaImage(const SeriesPlan&, const std::vector<std::uint8_t>& interleaved,
+                            const std::filesystem::path& mhd);
 
 }  // namespace vernier::phantoms

@@ -77,7 +77,7 @@ void putRoot(const Data& d, const StudyPlan& study, const SeriesPlan& s, const O
                {DCM_PhaseContrast, "NO"},
                {DCM_TimeOfFlightContrast, "NO"}});
   d.number(DCM_NumberOfKSpaceTrajectories, 1);
-  putFloat64(d, DCM_MagneticFieldStrength, {1.5});
+  d.text(DCM_MagneticFieldStrength, "1.5");
 }
 
 void putCtShared(const Data& g, const SeriesPlan& s, const StudyPlan& study) {

@@ -13,6 +13,7 @@
 #include "Plan.h"
 #include "Recipes.h"
 #include "Sample.h"
+#include "Surface.h"
 #include "vernier/base/Guarded.h"
 #include "vernier/base/Threads.h"
 
@@ -70,16 +71,43 @@ std::uint64_t filesIn(const std::filesystem::path& folder, std::uint64_t& bytes)
   return files;
 }
 
+// The fields of a recipe: of its source, or of its channels, each with a source of its own.
+struct Channels {
+  std::vector<std::unique_ptr<const Field>> owned;
+  std::vector<const Field*> fields;
+  std::vector<Solid> solids;  // of the first
+};
+
+Channels channelsOf(const Json& recipe, std::uint64_t seed) {
+  Channels c;
+  std::vector<Json> one{recipe};
+  if (recipe.contains("channels")) {
+    one.clear();
+    for (const Json& source : recipe["channels"]) {
+      one.push_back(recipe);
+      one.back()["source"] = source;
+    }
+  }
+  for (const Json& r : one) {
+    const std::vector<Solid> solids = solidsOf(r, seed);
+    if (c.owned.empty()) c.solids = solids;
+    c.owned.push_back(makeField(r, seed, solids));
+    c.fields.push_back(c.owned.back().get());
+  }
+  return c;
+}
+
 struct Job {
   const StudyPlan& study;
-  const Field& field;
+  const std::vector<const Field*>& fields;  // one, or red, green, blue and alpha
   std::filesystem::path folder;
   PhantomFormat format;
   const ProgressFn& progress;
   std::stop_token stop;
   std::vector<std::vector<SliceSums>> sums;
   std::vector<std::vector<std::int32_t>> frames;  // of multi-frame objects, by slice
-  std::vector<std::int16_t> volume;               // MetaImage only
+  std::vector<std::int16_t> volume;   // MetaImage of one channel only
+  std::vector<std::uint8_t> colours;  // MetaImage of several channels only, interleaved
   std::mutex mutex;
   std::optional<Error> failure;  // of the lowest file index, whatever the threads did
   std::size_t failedAt = 0;
@@ -90,13 +118,20 @@ Result<std::uint64_t> makeSlice(Job& job, std::size_t n, std::size_t k) {
   return guarded("phantom slice", [&]() -> Result<std::uint64_t> {
     const SeriesPlan& series = job.study.series[n];
     const SlicePlan& slice = series.slices[k];
-    const std::vector<std::int32_t> stored = sampleSlice(job.field, series, slice, job.study.seed);
+    // DICOM's colours have no alpha.
+    const bool meta = job.format == PhantomFormat::MetaImage;
+    const std::size_t channels = meta ? job.fields.size() : static_cast<std::size_t>(series.samples);
+    const std::vector<std::int32_t> stored = sampleChannels(job.fields, channels, series, slice, job.study.seed);
     job.sums[n][k] = sumsOf(stored);
     if (!series.objects.empty() && job.format == PhantomFormat::Dicom) {
       job.frames[k] = stored;  // written with the others of its object
       return 0;
     }
-    if (job.format == PhantomFormat::MetaImage) {
+    if (meta && channels > 1) {
+      std::copy(stored.begin(), stored.end(), job.colours.begin() + static_cast<std::ptrdiff_t>(k * stored.size()));
+      return stored.size();
+    }
+    if (meta) {
       std::copy(stored.begin(), stored.end(),
                 job.volume.begin() + static_cast<std::ptrdiff_t>(k * stored.size()));
       return stored.size() * 2;
@@ -162,9 +197,15 @@ Result<PhantomInfo> write(const std::string& name, const std::filesystem::path& 
   std::string variant;
   const Result<Json> recipe = applySettings(*plain, options.settings, variant);
   if (!recipe) return recipe.error();
+  if (recipe->contains("surface")) {
+    if (options.format == PhantomFormat::MetaImage)
+      return makeError(ErrorCode::OptionInvalid,
+                       "The phantom is a surface and is written as STL; leave the format out.", name);
+    if (Result<void> made = makeFolder(outDir); !made) return made.error();
+    return writeSurface(*recipe, outDir);
+  }
   const StudyPlan study = makeStudyPlan(*recipe, variant);
-  const std::vector<Solid> solids = solidsOf(*recipe, study.seed);
-  const std::unique_ptr<const Field> field = makeField(*recipe, study.seed, solids);
+  const Channels channels = channelsOf(*recipe, study.seed);
 
   const bool meta = options.format == PhantomFormat::MetaImage;
   PhantomInfo info;
@@ -178,14 +219,25 @@ Result<PhantomInfo> write(const std::string& name, const std::filesystem::path& 
     if (Result<void> removed = removeOldFiles(info.data); !removed) return removed.error();
   }
 
-  Job job{study, *field, info.data, options.format, progress, options.stop, {}, {}, {}, {}, {}, 0, 0, 0, 0};
+  Job job{study, channels.fields, info.data, options.format, progress, options.stop, {}, {}, {}, {}, {}, {}, 0, 0, 0, 0};
   if (meta) {
     const SeriesPlan& s = study.series.front();
-    job.volume.resize(static_cast<std::size_t>(s.columns * s.rows) * s.slices.size());
+    const std::size_t voxels = static_cast<std::size_t>(s.columns * s.rows) * s.slices.size();
+    if (channels.fields.size() > 1)
+      job.colours.resize(voxels * channels.fields.size());
+    else
+      job.volume.resize(voxels);
   }
   if (Result<void> made = makeSlices(job); !made) return made.error();
   if (meta) {
-    if (Result<void> w = writeMetaImage(study.series.front(), job.volume, info.data); !w) return w.error();
+    const SeriesPlan& s = study.series.front();
+    if (Result<void> w = job.colours.empty() ? writeMetaImage(s, job.volume, info.data)
+                                             : writeMetaImage(s, job.colours, info.data);
+        !w)
+      return w.error();
+  } else if (study.presentation) {
+    const std::filesystem::path file = info.data / study.presentation->fileName;
+    if (Result<void> w = writePresentation(study, *study.presentation, file); !w) return w.error();
   }
   Json beside;
   if (!meta) {
@@ -193,7 +245,7 @@ Result<PhantomInfo> write(const std::string& name, const std::filesystem::path& 
     if (!made) return made.error();
     beside = std::move(*made);
   }
-  Json answers = answersOf(*recipe, variant, study, *field, solids, job.sums);
+  Json answers = answersOf(*recipe, variant, study, channels.fields, channels.solids, job.sums);
   if (beside.is_object()) answers.update(beside);
   if (Result<void> w = writeText(info.answers, answers.dump(1) + "\n"); !w) return w.error();
   info.files = meta ? 2 : filesIn(info.data, info.bytes);
@@ -209,7 +261,7 @@ const std::vector<PhantomRecipe>& phantomRecipes() {
     std::vector<PhantomRecipe> list;
     for (const auto& [name, text] : phantoms::embeddedRecipes()) {
       const std::optional<phantoms::Json> recipe = phantoms::findRecipe(name);
-      PhantomRecipe r{name, recipe->at("summary"), {}};
+      PhantomRecipe r{name, recipe->at("summary"), {}, recipe->contains("surface")};
       const phantoms::Json settings = recipe->value("settings", phantoms::Json::object());
       for (const auto& item : settings.items())
         r.settings.push_back({item.key(), item.value().at("default"), item.value().at("about")});

@@ -142,6 +142,32 @@ std::vector<Window> windowsOf(const Json& list) {
   return all;
 }
 
+// Red rises, green falls, blue runs through its range five times: no two entries are alike.
+void paletteOf(const Json& palette, SeriesPlan& s) {
+  const std::string coding = palette.at("coding");
+  s.paletteBits = coding == "8" ? 8 : 16;
+  s.paletteSegmented = coding == "segmented";
+  const unsigned unit = s.paletteBits == 8 ? 1 : 257;
+  for (unsigned n = 0; n < 256; ++n)
+    s.palette.push_back({static_cast<std::uint16_t>(unit * n), static_cast<std::uint16_t>(unit * (255 - n)),
+                         static_cast<std::uint16_t>(unit * (5 * n % 256))});
+}
+
+PresentationPlan presentationOf(const Json& p) {
+  PresentationPlan plan;
+  plan.label = p.at("label");
+  plan.slice = p.at("slice");
+  plan.center = p.at("center");
+  plan.width = p.at("width");
+  plan.inverse = p.at("inverse");
+  plan.rotation_deg = p.at("rotation_deg");
+  plan.flip = p.at("flip");
+  for (std::size_t n = 0; n < 4; ++n) plan.shutter[n] = p.at("shutter").at(n);
+  plan.shutterValue = p.at("shutter_value");
+  plan.text = p.at("text");
+  return plan;
+}
+
 void describe(SeriesPlan& s, const Json& recipe) {
   const Json& grid = recipe.at("grid");
   const std::string modality = recipe.at("modality");
@@ -153,8 +179,10 @@ void describe(SeriesPlan& s, const Json& recipe) {
   s.rowSpacing_mm = dsRounded(spacing.y);
   s.step_mm = spacing.z;
   s.thickness_mm = dsRounded(grid.value("thickness_mm", spacing.z));
+  if (recipe.contains("channels")) s.samples = 3;
   if (recipe.contains("pixels")) {
     const Json& p = recipe["pixels"];
+    if (p.contains("palette")) paletteOf(p["palette"], s);
     s.bitsAllocated = p.value("bits_allocated", 16);
     s.bitsStored = p.value("bits_stored", 16);
     s.isSigned = p.value("signed", true);
@@ -277,6 +305,11 @@ StudyPlan makeStudyPlan(const Json& given, const std::string& variant) {
     study.series.push_back(std::move(series));
   }
   if (recipe.contains("multi_frame")) makeMultiFrame(recipe, uid, study);
+  if (recipe.contains("presentation")) {
+    study.presentation = presentationOf(recipe["presentation"]);
+    study.presentation->sopUid = uid("presentation");
+    study.presentation->seriesUid = uid("presentation series");
+  }
   if (base.padding) study.findings.push_back({{"code", "padding-pixels"}, {"padding", *base.padding}});
   return study;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // From a recipe with its settings applied to the list of files to write: pure, no pixels, no DICOM.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <map>
@@ -58,6 +59,10 @@ struct SeriesPlan {
   double slope = 1, intercept = 0;
   std::optional<int> padding;
   double fieldOfView_mm = 0;  // with padding: pixels farther than this from the image's centre are padding
+  int samples = 1;  // 3: RGB, interleaved by pixel
+  std::vector<std::array<std::uint16_t, 3>> palette;  // red, green, blue of each stored value; empty: grey or RGB
+  int paletteBits = 16;
+  bool paletteSegmented = false;
   std::string transferSyntaxUid = "1.2.840.10008.1.2.1";
   int quality = 0;          // lossy JPEG; or the allowed error of JPEG-LS near-lossless
   std::string lossyMethod;  // empty: lossless
@@ -67,11 +72,24 @@ struct SeriesPlan {
   std::string concatenationUid;     // with more than one object
 };
 
+// A greyscale softcopy presentation state for one slice of the first series.
+struct PresentationPlan {
+  std::string sopUid, seriesUid, fileName = "PR0001.dcm", label;
+  std::size_t slice = 0;
+  double center = 0, width = 1;
+  bool inverse = false, flip = false;
+  int rotation_deg = 0;
+  std::array<int, 4> shutter{};  // left, right, upper, lower edge: columns and rows from 1
+  int shutterValue = 0;          // P-Value of 16 bits
+  std::string text;
+};
+
 struct StudyPlan {
   std::string name, title, bodyPart, studyUid, frameOfReferenceUid;
   std::uint64_t seed = 0;
   std::vector<SeriesPlan> series;
   Json findings = Json::array();  // what a loader should say, with numbers
+  std::optional<PresentationPlan> presentation;
 };
 
 // "2.25." and a 128-bit number made of name, seed and role (PS3.5 B.2).

@@ -95,6 +95,18 @@ double slopeOf(const SeriesPlan& series, const SlicePlan& slice) {
   return slice.slope != 0 ? slice.slope : series.slope;
 }
 
+std::vector<std::int32_t> sampleChannels(const std::vector<const Field*>& fields, std::size_t channels,
+                                         const SeriesPlan& series, const SlicePlan& slice, std::uint64_t seed) {
+  if (channels == 1) return sampleSlice(*fields.front(), series, slice, seed);
+  std::vector<std::int32_t> out;
+  for (std::size_t c = 0; c < channels; ++c) {
+    const std::vector<std::int32_t> one = sampleSlice(*fields[c], series, slice, seed);
+    out.resize(one.size() * channels);
+    for (std::size_t n = 0; n < one.size(); ++n) out[n * channels + c] = one[n];
+  }
+  return out;
+}
+
 double idealAt(const Field& field, glm::dvec3 p_mm) {
   double value = 0, noise = 0;
   field.row(RowLine{p_mm, {1, 0, 0}, 1}, {&value, 1}, {&noise, 1});

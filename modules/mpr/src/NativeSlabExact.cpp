@@ -2,7 +2,7 @@
 // mpr.exact: slabs without sampling error, by module native's walk through the cells.
 #include <algorithm>
 
-#include "NativeJob.h"
+#include "ColourSlice.h"
 #include "vernier/native/SlabExact.h"
 
 namespace vernier::mpr {
@@ -16,15 +16,19 @@ double predicted_ms(const SliceParams& p, const PlanContext& context) {
   const double ns = known != context.costs.nsPerSample.end() ? known->second
                     : p.slab.mode == SlabMode::Mean          ? kMean_ns
                                                              : kExtreme_ns;
-  const double cells =
-      static_cast<double>(p.view.width_px) * p.view.height_px * native::cellsPerSlabLine(jobOf(p));
+  native::SliceJob job = jobOf(p);
+  if (p.volume->isColour()) job.volume = &p.volume->channel(0);
+  const double cells = static_cast<double>(p.view.width_px) * p.view.height_px * native::cellsPerSlabLine(job) *
+                       p.volume->info().channels;
   return cells * ns * 1e-6 / std::max(1, context.capabilities.threads);
 }
 
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
-  Result<std::shared_ptr<const SliceParams>> params = sliceParams(layer, context);
+  Result<std::shared_ptr<const SliceParams>> params = sliceParams(layer, context, Colours::Drawn);
   if (!params) return params.error();
-  if (std::string why = native::whyNotExactSlab(jobOf(**params)); !why.empty())
+  native::SliceJob job = jobOf(**params);
+  if ((*params)->volume->isColour()) job.volume = &(*params)->volume->channel(0);
+  if (std::string why = native::whyNotExactSlab(job); !why.empty())
     return makeError(ErrorCode::NoTechnique, std::move(why));
   auto exact = std::make_shared<SliceParams>(**params);
   exact->slabSamples = 0;  // none: the plan says what is done
@@ -37,6 +41,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   if (context.view.wantValues) pass.outputs.push_back("values");
   pass.predicted_ms = predicted_ms(*exact, context);
   pass.predictedError = roundingError(*exact);
+  pass.notes = notesOf(std::get<SliceLayer>(layer), *exact);
   pass.params = std::move(exact);
   return std::vector<Pass>{std::move(pass)};
 }
@@ -45,6 +50,7 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
   const auto* p = dynamic_cast<const SliceParams*>(pass.params.get());
   if (!p) return makeError(ErrorCode::Internal, "The pass has no slice parameters.", "mpr.exact");
   fitImages(images, p->view);
+  if (p->volume->isColour()) return drawColourSlice(*p, images, stop, native::drawSlabExact);
   return native::drawSlabExact(jobOf(*p), images, stop);
 }
 

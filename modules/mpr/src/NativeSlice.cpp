@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "NativeJob.h"
+#include "ColourSlice.h"
 #include "SamplingError.h"
 
 namespace vernier::mpr {
@@ -15,15 +15,18 @@ constexpr double kFastCubic_ns = 20.0, kGeneralCubic_ns = 240.0;
 
 double predicted_ms(const SliceParams& p, const PlanContext& context) {
   const auto known = context.costs.nsPerSample.find("mpr.native");
+  native::SliceJob job = jobOf(p);
+  if (p.volume->isColour()) job.volume = &p.volume->channel(0);
   const double ns = known != context.costs.nsPerSample.end()
                         ? known->second
-                        : builtInCost_ns(p.interpolation, native::drawsFast(jobOf(p)));
-  const double samples = static_cast<double>(p.view.width_px) * p.view.height_px * p.slabSamples;
+                        : builtInCost_ns(p.interpolation, native::drawsFast(job));
+  const double samples =
+      static_cast<double>(p.view.width_px) * p.view.height_px * p.slabSamples * p.volume->info().channels;
   return samples * ns * 1e-6 / std::max(1, context.capabilities.threads);
 }
 
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
-  Result<std::shared_ptr<const SliceParams>> params = sliceParams(layer, context);
+  Result<std::shared_ptr<const SliceParams>> params = sliceParams(layer, context, Colours::Drawn);
   if (!params) return params.error();
   Pass pass;
   pass.name = "slice " + std::to_string(index);
@@ -34,6 +37,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   if (context.view.wantValues) pass.outputs.push_back("values");
   pass.predicted_ms = predicted_ms(**params, context);
   pass.predictedError = roundingError(**params) + samplingError(**params, context.quality.step);
+  pass.notes = notesOf(std::get<SliceLayer>(layer), **params);
   pass.params = *params;
   return std::vector<Pass>{std::move(pass)};
 }
@@ -42,6 +46,7 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
   const auto* p = dynamic_cast<const SliceParams*>(pass.params.get());
   if (!p) return makeError(ErrorCode::Internal, "The pass has no slice parameters.", "mpr.native");
   fitImages(images, p->view);
+  if (p->volume->isColour()) return drawColourSlice(*p, images, stop, native::drawSlice);
   return native::drawSlice(jobOf(*p), images, stop);
 }
 

@@ -51,7 +51,10 @@ std::string SampledParams::dumpSampling() const {
   if (slab.thickness_mm > 0)
     s += " slab " + number(slab.thickness_mm) + " mm " + nameOfMode(slab.mode) +
          (slabSamples > 0 ? " of " + std::to_string(slabSamples) : " of the whole line");
-  s += " window " + number(window.center) + "/" + number(window.width) + nameOfFunction(window.function);
+  if (volume && volume->isColour())
+    s += " colour of " + std::to_string(volume->info().channels) + " channels";
+  else
+    s += " window " + number(window.center) + "/" + number(window.width) + nameOfFunction(window.function);
   if (invert) s += " inverted";
   return s;
 }
@@ -73,19 +76,21 @@ namespace {
 
 // Of a slice or curved layer, all but where it lies.
 template <class L>
-Result<void> sampling(const L& layer, const PlanContext& context, SampledParams& p) {
+Result<void> sampling(const L& layer, const PlanContext& context, Colours colours, SampledParams& p) {
   const auto found = context.sources.volumes.find(layer.source);
   if (found == context.sources.volumes.end() || !found->second)
     return makeError(ErrorCode::SceneInvalid,
                      "The volume that the " + kindOf(layer) + " layer names is not loaded.");
   p.volume = found->second;
+  if (p.volume->isColour() && colours == Colours::Refused)
+    return makeError(ErrorCode::NoTechnique, "it draws grey volumes only");
   p.view = context.view;
   p.slab = layer.slab;
   Result<int> samples = slabSamplesOf(*p.volume, p.slab.thickness_mm, context.quality.step);
   if (!samples) return samples.error();
   p.slabSamples = *samples;
   p.interpolation = layer.interpolation;
-  p.window = normalised(layer.window ? *layer.window : defaultWindow(*p.volume));
+  p.window = normalised(layer.window && !p.volume->isColour() ? *layer.window : defaultWindow(*p.volume));
   if (!usableWindow(p.window))
     return makeError(ErrorCode::SceneInvalid, "The window's width must be above 0 and its numbers finite.");
   p.invert = layer.invert != p.volume->info().inverted;
@@ -95,11 +100,17 @@ Result<void> sampling(const L& layer, const PlanContext& context, SampledParams&
 
 }  // namespace
 
-Result<std::shared_ptr<const SliceParams>> sliceParams(const Layer& layer, const PlanContext& context) {
+std::vector<std::string> notesOf(const SliceLayer& layer, const SliceParams& p) {
+  if (p.volume->isColour() && layer.window) return {"window not applied: a colour volume has none"};
+  return {};
+}
+
+Result<std::shared_ptr<const SliceParams>> sliceParams(const Layer& layer, const PlanContext& context,
+                                                       Colours colours) {
   const auto* slice = std::get_if<SliceLayer>(&layer);
   if (!slice) return makeError(ErrorCode::SceneInvalid, "The layer is not a slice.");
   auto p = std::make_shared<SliceParams>();
-  if (Result<void> r = sampling(*slice, context, *p); !r) return r.error();
+  if (Result<void> r = sampling(*slice, context, colours, *p); !r) return r.error();
   Result<SlicePicture> picture = slicePicture(*slice, context.scene.camera, context.view, *p->volume);
   if (!picture) return picture.error();
   p->picture = *picture;
@@ -110,7 +121,7 @@ Result<std::shared_ptr<const CurvedParams>> curvedParams(const Layer& layer, con
   const auto* curved = std::get_if<CurvedLayer>(&layer);
   if (!curved) return makeError(ErrorCode::SceneInvalid, "The layer is not a curved reformat.");
   auto p = std::make_shared<CurvedParams>();
-  if (Result<void> r = sampling(*curved, context, *p); !r) return r.error();
+  if (Result<void> r = sampling(*curved, context, Colours::Refused, *p); !r) return r.error();
   Result<CurvedPicture> picture = curvedPicture(*curved, context.scene.camera, context.view);
   if (!picture) return picture.error();
   p->picture = std::move(*picture);

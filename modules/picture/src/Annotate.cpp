@@ -93,6 +93,8 @@ class Placer {
     layout_.dropped.push_back(label);
   }
 
+  int letter_px() const { return size_; }
+
   Layout finished() && { return std::move(layout_); }
 
  private:
@@ -175,10 +177,15 @@ Layout layoutAnnotations(const Annotations& a, int width, int height, double sca
   placer.block(a.what, Side::Left, End::Top);
   placer.block(a.status, Side::Left, End::Bottom);
   if (a.scaleBar) placer.scaleBar(a.mmPerPixel);
-  return std::move(placer).finished();
+  const int letter_px = placer.letter_px();
+  Layout layout = std::move(placer).finished();
+  layout.letter_px = letter_px;
+  layout.graphics = a.graphics;
+  return layout;
 }
 
 void drawLayout(Picture& picture, const Layout& layout) {
+  drawGraphics(picture, layout.graphics, layout.letter_px);
   for (const LaidText& t : layout.texts) drawOutline(picture, t.x, t.baseline, t.text, t.size_px);
   if (layout.bar) drawBar(picture, *layout.bar);
   for (const LaidText& t : layout.texts)

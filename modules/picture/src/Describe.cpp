@@ -128,6 +128,13 @@ TextLine windowLine(const VoiWindow& w, const std::string& unit, bool inverted) 
   return plain(both + (named ? " " + unit : "") + suffix, both + (inverted ? " inv" : ""));
 }
 
+TextLine colourLine(bool inverted) { return plain(inverted ? "colour, inverted" : "colour", inverted ? "inv" : ""); }
+
+// The window, or that there is none.
+TextLine valueLine(const VoiWindow& w, const VolumeInfo& info, bool inverted) {
+  return info.channels > 1 ? colourLine(inverted) : windowLine(w, info.unit, inverted);
+}
+
 // To two digits, never below: what is printed must hold.
 double roundedUp(double x) {
   if (!(x > 0) || !std::isfinite(x)) return x;
@@ -152,7 +159,7 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
   const bool across = std::abs(glm::dot(picture.normal.v, stackNormal(info.grid))) < 0.9999 ||
                       layer.slab.thickness_mm > 0;
   describeVolume(info, layer.interpolation, across, out);
-  out.status.push_back(windowLine(window, info.unit, layer.invert));
+  out.status.push_back(valueLine(window, info, layer.invert));
   return out;
 }
 
@@ -166,27 +173,65 @@ Annotations describeCurved(const CurvedLayer& layer, const CurvedPicture& pictur
   out.what.push_back(
       plain(method + (layer.form == CurvedForm::Straightened ? ", straightened" : ", stretched"), method));
   describeVolume(info, layer.interpolation, true, out);
-  out.status.push_back(windowLine(window, info.unit, layer.invert));
+  out.status.push_back(valueLine(window, info, layer.invert));
   return out;
 }
 
+namespace {
+
+// Which grey transformation is in use: a LUT's name or the window.
+TextLine voiLine(const ImageLayer& layer, const ImageFrameInfo& info, const VoiWindow& window,
+                 const FramePresentation* state) {
+  const auto lutLine = [](const LutTable& lut, const std::string& otherwise) {
+    return plain("LUT " + (lut.explanation.empty() ? otherwise : lut.explanation), "LUT");
+  };
+  if (isColour(info.colour)) return colourLine(layer.invert);
+  const auto chosen = layer.voiLut ? static_cast<std::size_t>(*layer.voiLut) : info.voiLuts.size();
+  if (chosen < info.voiLuts.size()) return lutLine(info.voiLuts[chosen], std::to_string(chosen + 1));
+  if (layer.window || !state || !state->greyscale) return windowLine(window, info.unit, layer.invert);
+  if (state->voiLut) return lutLine(*state->voiLut, "of the presentation state");
+  // Modality values of a presentation state have no unit that the image could know.
+  const bool same = !state->modalityLut && state->rescale == info.rescale && !info.modalityLut;
+  if (state->window) return windowLine(*state->window, same ? info.unit : "", layer.invert);
+  return plain("whole range of values", "whole range");
+}
+
+}  // namespace
+
 Annotations describeImage(const ImageLayer& layer, const ImagePicture& picture, const ImageFrameInfo& info,
-                          const VoiWindow& window) {
+                          const VoiWindow& window, const FramePresentation* state) {
   Annotations out;
-  if (!whyNoLetters(info.findings)) out.letters = edgeLetters(layer, info);
-  // Both together turn the picture by 180 degrees: no mirror image. The letters follow in any case.
-  out.flipped = layer.flipHorizontal != layer.flipVertical;
+  if (!whyNoLetters(info.findings)) out.letters = edgeLetters(picture, info);
+  // Turning is no mirror image; the letters follow in any case.
+  out.flipped = isMirrored(picture);
   out.mmPerPixel = picture.mmPerPixel;
   out.what.push_back(plain(std::to_string(info.index + 1) + "/" + std::to_string(info.count)));
+  if (state) {
+    out.what.push_back(plain("presentation" + (state->label.empty() ? "" : " " + state->label) + " applied",
+                             "presentation"));
+    out.graphics = graphicsOf(*state, picture, info);
+  }
   if (info.unscaled) out.what.push_back(plain("unscaled: stored values", "unscaled"));
   if (const auto why = whyNoLetters(info.findings)) out.what.push_back(plain(why->line, why->brief));
-  const auto chosen = layer.voiLut ? static_cast<std::size_t>(*layer.voiLut) : info.voiLuts.size();
-  if (chosen < info.voiLuts.size()) {
-    const std::string& name = info.voiLuts[chosen].explanation;
-    out.status.push_back(plain("LUT " + (name.empty() ? std::to_string(chosen + 1) : name), "LUT"));
-  } else {
-    out.status.push_back(windowLine(window, info.unit, layer.invert));
-  }
+  if (says(info.findings, "photometric-contradicted"))
+    out.what.push_back(plain("colours as the pixels are coded", "colours as coded"));
+  out.status.push_back(voiLine(layer, info, window, state));
+  return out;
+}
+
+Annotations describeSurfaces(const CameraPicture& camera, std::span<const SurfaceFile* const> files,
+                             bool withPatient) {
+  Annotations out;
+  if (withPatient) out.letters = edgeLetters(camera);
+  const bool perspective = camera.projection == Projection::Perspective;
+  out.mmPerPixel = camera.mmPerPixel();
+  out.scaleBar = !perspective;
+  std::uint64_t triangles = 0;
+  for (const SurfaceFile* f : files) triangles += f->mesh->triangles().size();
+  const std::string name = files.size() == 1 ? "surface" : std::to_string(files.size()) + " surfaces";
+  out.what.push_back(plain(name + (perspective ? ", perspective" : ""), name));
+  out.what.push_back(plain("mm assumed"));
+  out.status.push_back(plain(std::to_string(triangles) + " triangles"));
   return out;
 }
 

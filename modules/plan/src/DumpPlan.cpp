@@ -51,6 +51,7 @@ std::string dumpPlan(const Plan& plan) {
                     (plan.showsWholeScene ? "whole scene" : "not the whole scene") + "\n";
   for (std::size_t i = 0; i < plan.passes.size(); ++i) out += dumpPass(plan.passes[i], i);
   for (const Rejected& r : plan.rejected) out += "rejected: " + r.what + ": " + r.why + "\n";
+  for (const std::string& what : plan.afterwards) out += "afterwards: " + what + "\n";
   for (const std::string& note : plan.notes) out += "note: " + note + "\n";
   return out;
 }

@@ -54,6 +54,12 @@ std::string layerName(std::size_t index, const std::string& kind) {
   return "layer " + std::to_string(index) + " (" + kind + ")";
 }
 
+template <class Kind>
+bool holds(const Scene& scene) {
+  return std::any_of(scene.layers.begin(), scene.layers.end(),
+                     [](const Layer& l) { return std::holds_alternative<Kind>(l); });
+}
+
 // Plans one layer after the other into `plan`.
 class Planner {
  public:
@@ -63,6 +69,10 @@ class Planner {
   Result<void> add(std::size_t index) {
     const Layer& layer = context_.scene.layers[index];
     const std::string kind = kindOf(layer);
+    if (std::holds_alternative<SurfaceLayer>(layer) && holds<SliceLayer>(context_.scene)) {
+      plan_.afterwards.push_back("outline of " + layerName(index, kind) + " on the slice");
+      return {};
+    }
     const std::vector<const Technique*> drawing = techniques_.drawing(kind);
     if (drawing.empty()) {
       const std::string plugin = pluginOf(kind);
@@ -191,11 +201,15 @@ class Planner {
 };
 
 // A whole-picture layer covers what lies under it: two of them need a way to be combined, which is not built
-// yet.
+// yet. Surfaces are combined by the technique that draws them; on a slice they are outlines.
 Result<void> checkPairs(const Scene& scene) {
   std::optional<std::size_t> first;
   for (std::size_t i = 0; i < scene.layers.size(); ++i) {
     if (std::holds_alternative<CustomLayer>(scene.layers[i])) continue;
+    const bool surface = std::holds_alternative<SurfaceLayer>(scene.layers[i]);
+    if (surface &&
+        (holds<SliceLayer>(scene) || (first && std::holds_alternative<SurfaceLayer>(scene.layers[*first]))))
+      continue;
     if (first)
       return makeError(ErrorCode::NotBuiltYet,
                        layerName(*first, kindOf(scene.layers[*first])) + " and " +

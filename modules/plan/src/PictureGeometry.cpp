@@ -119,29 +119,103 @@ glm::dvec2 pixelAt(const SlicePicture& picture, PatientPoint point) {
           dot(d, picture.down) / dot(picture.down, picture.down)};
 }
 
-ImagePicture imagePicture(const ImageLayer& layer, const Camera& camera, const View& view,
-                          const ImageFrameInfo& frame) {
+namespace {
+
+// Steps between columns (x) and rows (y), in mm or in columns, and whether they are mm.
+struct PixelShape {
+  glm::dvec2 step{1, 1};
+  bool known = false;
+};
+
+PixelShape pixelShape(const ImageFrameInfo& frame, const FramePresentation* presentation) {
   const auto usable = [](double mm) { return mm >= 1e-4 && mm <= 1e3; };
-  const bool known = usable(frame.pixelSpacing_mm.x) && usable(frame.pixelSpacing_mm.y);
-  const double rowStep = known ? frame.pixelSpacing_mm.x : 1.0;     // between rows: down the picture
-  const double columnStep = known ? frame.pixelSpacing_mm.y : 1.0;  // between columns: across
-  const double width = static_cast<double>(frame.columns) * columnStep;
-  const double height = static_cast<double>(frame.rows) * rowStep;
-  double perPixel = std::max(width / view.width_px, height / view.height_px);  // mm, or columns
-  if (known && camera.height_mm) perPixel = *camera.height_mm / view.height_px;
+  PixelShape shape;
+  glm::dvec2 spacing = frame.pixelSpacing_mm;  // row\column: between rows, then between columns
+  const bool asked = presentation && presentation->area;
+  if (asked && presentation->area->pixelSpacing_mm) spacing = *presentation->area->pixelSpacing_mm;
+  shape.known = usable(spacing.x) && usable(spacing.y);
+  if (shape.known) shape.step = {spacing.y, spacing.x};
+  if (asked && !presentation->area->pixelSpacing_mm && presentation->area->pixelAspect) {
+    const glm::dvec2 aspect = *presentation->area->pixelAspect;  // vertical\horizontal
+    const double rows = shape.step.x * aspect.x / aspect.y;
+    // A shape that contradicts the image's spacing leaves no length that could be trusted.
+    if (std::abs(rows - shape.step.y) > 0.01 * shape.step.y) shape.known = false;
+    shape.step.y = rows;
+  }
+  return shape;
+}
+
+// What is to fill the picture: columns and rows from `least` to `greatest`, edges of pixels.
+struct Shown {
+  glm::dvec2 least{-0.5}, greatest{0};
+};
+
+Shown shownArea(const ImageFrameInfo& frame, const FramePresentation* presentation) {
+  Shown s;
+  s.greatest = {static_cast<double>(frame.columns) - 0.5, static_cast<double>(frame.rows) - 0.5};
+  if (presentation && presentation->area) {
+    const DisplayedArea& a = *presentation->area;
+    s.least = glm::min(a.topLeft, a.bottomRight) - 1.5;
+    s.greatest = glm::max(a.topLeft, a.bottomRight) - 0.5;
+  }
+  return s;
+}
+
+}  // namespace
+
+ImagePicture imagePicture(const ImageLayer& layer, const Camera& camera, const View& view,
+                          const ImageFrameInfo& frame, const FramePresentation* presentation) {
+  const int turn_deg = presentation ? presentation->rotation_deg : 0;
+  const PixelShape shape = pixelShape(frame, presentation);
+  const Shown shown = shownArea(frame, presentation);
+  ImagePicture p;
+  p.transposed = turn_deg == 90 || turn_deg == 270;
+  glm::dvec2 size = (shown.greatest - shown.least) * shape.step;
+  if (p.transposed) size = {size.y, size.x};
+  double perPixel = std::max(size.x / view.width_px, size.y / view.height_px);  // mm, or columns
+  if (presentation && presentation->area && presentation->area->mode == AreaMode::Magnify)
+    perPixel = shape.step.x / presentation->area->magnification;
+  if (shape.known && camera.height_mm) perPixel = *camera.height_mm / view.height_px;
   perPixel /= camera.zoom;
 
-  ImagePicture p;
-  p.pxPerColumn = columnStep / perPixel;
-  p.pxPerRow = rowStep / perPixel;
-  p.mmPerPixel = known ? perPixel : 0;
-  const double centreX = 0.5 * view.width_px - camera.pan_mm.x / perPixel;
-  const double centreY = 0.5 * view.height_px + camera.pan_mm.y / perPixel;
-  if (layer.flipHorizontal) p.pxPerColumn = -p.pxPerColumn;
-  if (layer.flipVertical) p.pxPerRow = -p.pxPerRow;
-  p.x0 = centreX - 0.5 * static_cast<double>(frame.columns) * p.pxPerColumn;
-  p.y0 = centreY - 0.5 * static_cast<double>(frame.rows) * p.pxPerRow;
+  p.pxPerColumn = shape.step.x / perPixel;
+  p.pxPerRow = shape.step.y / perPixel;
+  p.mmPerPixel = shape.known ? perPixel : 0;
+  if (turn_deg == 180 || turn_deg == 270) p.pxPerColumn = -p.pxPerColumn;
+  if (turn_deg == 90 || turn_deg == 180) p.pxPerRow = -p.pxPerRow;
+  double& alongX = p.transposed ? p.pxPerRow : p.pxPerColumn;
+  double& alongY = p.transposed ? p.pxPerColumn : p.pxPerRow;
+  if (layer.flipHorizontal != (presentation && presentation->flipHorizontal)) alongX = -alongX;
+  if (layer.flipVertical) alongY = -alongY;
+  const glm::dvec2 middle = 0.5 * (shown.least + shown.greatest) + 0.5;
+  p.x0 = 0.5 * view.width_px - camera.pan_mm.x / perPixel - (p.transposed ? middle.y : middle.x) * alongX;
+  p.y0 = 0.5 * view.height_px + camera.pan_mm.y / perPixel - (p.transposed ? middle.x : middle.y) * alongY;
   return p;
+}
+
+glm::dvec2 frameFromPicture(const ImagePicture& p, glm::dvec2 pixel) {
+  const glm::dvec2 at(pixel.x - p.x0, pixel.y - p.y0);
+  return {(p.transposed ? at.y : at.x) / p.pxPerColumn - 0.5, (p.transposed ? at.x : at.y) / p.pxPerRow - 0.5};
+}
+
+glm::dvec2 pictureFromFrame(const ImagePicture& p, glm::dvec2 columnRow) {
+  const double c = (columnRow.x + 0.5) * p.pxPerColumn, r = (columnRow.y + 0.5) * p.pxPerRow;
+  return {p.x0 + (p.transposed ? r : c), p.y0 + (p.transposed ? c : r)};
+}
+
+bool isMirrored(const ImagePicture& p) { return (p.pxPerColumn * p.pxPerRow < 0) != p.transposed; }
+
+Result<std::optional<FramePresentation>> presentationOf(const ImageLayer& layer, const ImageFrameInfo& frame,
+                                                        const Sources& sources) {
+  if (layer.presentation.empty()) return std::optional<FramePresentation>{};
+  const auto found = sources.presentations.find(layer.presentation);
+  if (found == sources.presentations.end() || !found->second)
+    return makeError(ErrorCode::SceneInvalid,
+                     "The presentation state that the image layer names is not among what was opened.",
+                     "presentation");
+  Result<FramePresentation> p = presentationFor(*found->second, frame.sopInstanceUid, frame.frameNumber);
+  if (!p) return p.error();
+  return std::optional<FramePresentation>(std::move(*p));
 }
 
 std::string lettersOf(PatientVec direction) {
@@ -161,7 +235,7 @@ EdgeLetters edgeLetters(const SlicePicture& picture) {
   return aroundPicture(lettersOf(picture.right), lettersOf(picture.down));
 }
 
-EdgeLetters edgeLetters(const ImageLayer& layer, const ImageFrameInfo& frame) {
+EdgeLetters edgeLetters(const ImagePicture& picture, const ImageFrameInfo& frame) {
   std::string right, down;
   if (frame.plane) {
     right = lettersOf(frame.plane->rowDirection);
@@ -170,9 +244,9 @@ EdgeLetters edgeLetters(const ImageLayer& layer, const ImageFrameInfo& frame) {
     right = (*both)[0];
     down = (*both)[1];
   }
-  if (layer.flipHorizontal) right = opposite(right);
-  if (layer.flipVertical) down = opposite(down);
-  return aroundPicture(right, down);
+  if (picture.pxPerColumn < 0) right = opposite(right);
+  if (picture.pxPerRow < 0) down = opposite(down);
+  return picture.transposed ? aroundPicture(down, right) : aroundPicture(right, down);
 }
 
 }  // namespace vernier

@@ -41,7 +41,10 @@ std::string write(const Camera& c) {
              ", \"roll_deg\": ", number(c.roll_deg), ", \"projection\": \"", nameOf(c.projection),
              "\", \"fov_deg\": ", number(c.fov_deg), ", \"zoom\": ", number(c.zoom),
              c.height_mm ? cat(", \"height_mm\": ", number(*c.height_mm)) : "", ", \"pan_mm\": [",
-             number(c.pan_mm.x), ", ", number(c.pan_mm.y), "]}");
+             number(c.pan_mm.x), ", ", number(c.pan_mm.y), "]",
+             c.target ? cat(", \"target_mm\": ", vec(c.target->p)) : "",
+             c.distance_mm ? cat(", \"distance_mm\": ", number(*c.distance_mm)) : "",
+             c.near_mm != 0 ? cat(", \"near_mm\": ", number(c.near_mm)) : "", "}");
 }
 std::string write(const ImageLayer& l) {
   return cat("{\"kind\": \"image\", \"source\": ", text(l.source), ", \"index\": ", std::to_string(l.index),
@@ -49,7 +52,7 @@ std::string write(const ImageLayer& l) {
              l.voiLut ? cat(", \"voi_lut\": ", std::to_string(*l.voiLut)) : "", ", \"interpolation\": \"",
              nameOf(l.interpolation), "\", \"invert\": ", flag(l.invert),
              ", \"flip_horizontal\": ", flag(l.flipHorizontal), ", \"flip_vertical\": ", flag(l.flipVertical),
-             "}");
+             l.presentation.empty() ? "" : cat(", \"presentation\": ", text(l.presentation)), "}");
 }
 std::string write(const SliceLayer& l) {
   return cat("{\"kind\": \"slice\", \"source\": ", text(l.source),
@@ -68,6 +71,15 @@ std::string write(const CurvedLayer& l) {
              ", \"mode\": \"", nameOf(l.slab.mode), "\"}, \"interpolation\": \"", nameOf(l.interpolation),
              "\"", l.window ? cat(", \"window\": ", write(*l.window)) : "", ", \"invert\": ", flag(l.invert),
              "}");
+}
+std::string write(const SurfaceLayer& l) {
+  const glm::dmat4 m = l.pose.matrix();
+  std::string pose;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) pose += cat(pose.empty() ? "" : ", ", number(m[column][row]));
+  return cat("{\"kind\": \"surface\", \"source\": ", text(l.source), ", \"pose\": [", pose,
+             "], \"colour\": ", vec({l.colour.r, l.colour.g, l.colour.b}),
+             ", \"opacity\": ", number(l.opacity), "}");
 }
 std::string write(const CustomLayer& l) { return l.json; }
 
@@ -135,6 +147,8 @@ Result<Scene> parseScene(std::string_view json) {
         scene.layers.emplace_back(readSlice(layers[i], path));
       else if (kind == "curved")
         scene.layers.emplace_back(readCurved(layers[i], path));
+      else if (kind == "surface")
+        scene.layers.emplace_back(readSurfaceLayer(layers[i], path));
       else
         scene.layers.emplace_back(readCustom(layers[i], path, texts.at(i)));
     }
@@ -152,7 +166,7 @@ Result<CustomLayer> customLayer(std::string_view json) {
   return parsed<CustomLayer>([&] {
     const nlohmann::json value = parseJson(json);
     const std::string kind = kindAt(value, "");
-    if (kind == "image" || kind == "slice" || kind == "curved")
+    if (kind == "image" || kind == "slice" || kind == "curved" || kind == "surface")
       throw JsonFault{"The kind '" + kind + "' is known and cannot be a custom layer.", "/kind"};
     return Result<CustomLayer>(readCustom(value, "", withoutSpace(json)));
   });

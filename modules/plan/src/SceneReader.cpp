@@ -194,6 +194,13 @@ Camera readCamera(const nlohmann::json& value, const std::string& path) {
     const std::array<double, 2> pan = o.numbers<2>("pan_mm");
     c.pan_mm = {pan[0], pan[1]};
   }
+  if (o.has("target_mm")) {
+    const std::array<double, 3> target = o.numbers<3>("target_mm");
+    c.target = PatientPoint(target[0], target[1], target[2]);
+  }
+  if (o.has("distance_mm")) c.distance_mm = o.number("distance_mm");
+  if (o.has("near_mm")) c.near_mm = o.number("near_mm");
+  if (c.near_mm < 0) throw JsonFault{"The near distance cannot be below 0.", o.pathOf("near_mm")};
   o.refuseOthers();
   return c;
 }
@@ -221,6 +228,40 @@ ImageLayer readImage(const nlohmann::json& value, const std::string& path) {
   if (o.has("invert")) l.invert = o.flag("invert");
   if (o.has("flip_horizontal")) l.flipHorizontal = o.flag("flip_horizontal");
   if (o.has("flip_vertical")) l.flipVertical = o.flag("flip_vertical");
+  if (o.has("presentation")) l.presentation = o.text("presentation");
+  o.refuseOthers();
+  return l;
+}
+
+namespace {
+
+// Sixteen numbers, row by row, the last row 0 0 0 1.
+PatientFromMesh readPose(const ObjectReader& o, const std::string& key) {
+  const std::array<double, 16> m = o.numbers<16>(key);
+  if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1)
+    throw JsonFault{"The last row of a pose is 0 0 0 1; the numbers stand row by row.", o.pathOf(key)};
+  PatientFromMesh pose;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column)
+      pose.linear[column][row] = m[static_cast<std::size_t>(4 * row + column)];
+    pose.translation[row] = m[static_cast<std::size_t>(4 * row + 3)];
+  }
+  if (const Result<void> ok = checkPose(pose); !ok) throw JsonFault{ok.error().sentence, o.pathOf(key)};
+  return pose;
+}
+
+}  // namespace
+
+SurfaceLayer readSurfaceLayer(const nlohmann::json& value, const std::string& path) {
+  const ObjectReader o(value, path);
+  SurfaceLayer l;
+  o.text("kind");
+  l.source = o.text("source");
+  if (o.has("pose")) l.pose = readPose(o, "pose");
+  if (o.has("colour")) l.colour = readRgb(o, "colour");
+  if (o.has("opacity")) l.opacity = o.number("opacity");
+  if (!(l.opacity >= 0 && l.opacity <= 1))
+    throw JsonFault{"The opacity lies between 0 and 1.", o.pathOf("opacity")};
   o.refuseOthers();
   return l;
 }

@@ -46,6 +46,7 @@ ImageLayer readImage(const nlohmann::json&, const std::string& path);
 std::vector<PatientPoint> readPoints(const nlohmann::json& list, const std::string& path);
 CurvedLayer readCurved(const nlohmann::json&, const std::string& path);
 SliceLayer readSlice(const nlohmann::json&, const std::string& path);
+SurfaceLayer readSurfaceLayer(const nlohmann::json&, const std::string& path);
 
 const char* nameOf(VoiFunction);
 const char* nameOf(Interpolation);

@@ -122,6 +122,7 @@ Result<ErrorReport> measureError(const Frame& frame, const Scene& scene, const V
   std::transform(drawn.begin(), drawn.end(), pixels.begin(), [&](std::size_t d) { return all[d]; });
 
   const VolumeReading* top = layers->prepared().empty() ? nullptr : layers->prepared().back().reading();
+  if (top && top->volume().isColour()) top = nullptr;  // a colour has no value
   const bool withValues = frame.images.values.size() == count && top;
   std::vector<Sample> samples(pixels.size());
   parallelFor(pixels.size(), 16, [&](std::size_t begin, std::size_t end) {

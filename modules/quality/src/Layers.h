@@ -6,6 +6,7 @@
 #include "CurvedReference.h"
 #include "ImageReference.h"
 #include "SliceReference.h"
+#include "SurfaceReference.h"
 
 namespace vernier::quality {
 
@@ -17,13 +18,16 @@ class Layers {
   bool covers(glm::dvec2 pixel) const;
 
   struct Prepared {
-    std::variant<SliceReference, CurvedReference, ImageReference, PixelTruth> layer;
+    std::variant<SliceReference, CurvedReference, ImageReference, SurfaceReference, PixelTruth>
+        layer;  // all surfaces are one
     int samples = 0;
     const VolumeReading* reading() const;  // nullptr: a stored frame, or a plugin's layer
     // A plugin's layer has no value and covers nothing.
     std::optional<SliceValue> value(glm::dvec2 pixel) const;
     bool covers(glm::dvec2 pixel) const;
-    double grey(double modality) const;
+    // What is shown over `background`; nullopt: nothing. The value, where there is one, to `valueOut`.
+    std::optional<glm::dvec3> shown(glm::dvec2 pixel, glm::dvec3 background,
+                                    std::optional<SliceValue>* valueOut) const;
   };
   static Result<Prepared> prepare(const Scene&, const Layer&, const View&, const Sources&,
                                   const ReferenceOptions&);

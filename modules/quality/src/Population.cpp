@@ -84,7 +84,13 @@ void fill(const std::vector<glm::dvec2>& outline, const View& view, std::vector<
       for (double dy : {-kDilate_px, kDilate_px}) wide.push_back(p + glm::dvec2(dx, dy));
   if (wide.empty()) return;
   const std::vector<glm::dvec2> hull = hullOf(std::move(wide));
-  for (int row = 0; row < view.height_px; ++row) {
+  const auto [top, bottom] =
+      std::minmax_element(hull.begin(), hull.end(), [](glm::dvec2 a, glm::dvec2 b) { return a.y < b.y; });
+  const int first =
+      static_cast<int>(std::clamp(std::floor(top->y), 0.0, static_cast<double>(view.height_px)));
+  const int last =
+      static_cast<int>(std::clamp(std::ceil(bottom->y), 0.0, static_cast<double>(view.height_px)));
+  for (int row = first; row < last; ++row) {
     const double y = row + 0.5;
     double from = 1e300, to = -1e300;
     for (std::size_t n = 0; n < hull.size(); ++n) {
@@ -94,10 +100,22 @@ void fill(const std::vector<glm::dvec2>& outline, const View& view, std::vector<
       from = std::min(from, x);
       to = std::max(to, x);
     }
-    const double first = std::clamp(std::ceil(from - 0.5), 0.0, static_cast<double>(view.width_px));
-    const double last = std::clamp(std::floor(to - 0.5), -1.0, static_cast<double>(view.width_px - 1));
+    const double left = std::clamp(std::ceil(from - 0.5), 0.0, static_cast<double>(view.width_px));
+    const double right = std::clamp(std::floor(to - 0.5), -1.0, static_cast<double>(view.width_px - 1));
     const auto start = static_cast<std::size_t>(row) * static_cast<std::size_t>(view.width_px);
-    for (double x = first; x <= last; ++x) mask[start + static_cast<std::size_t>(x)] = 1;
+    for (double x = left; x <= right; ++x) mask[start + static_cast<std::size_t>(x)] = 1;
+  }
+}
+
+// Each triangle's own outline; the whole picture where one of its corners is not before the eye.
+void fillSurfaces(const SurfaceReference& surfaces, const View& view, std::vector<char>& mask) {
+  std::array<glm::dvec2, 3> px;
+  for (std::size_t t = 0; t < surfaces.triangles(); ++t) {
+    if (!surfaces.corners(t, px)) {
+      std::fill(mask.begin(), mask.end(), 1);
+      return;
+    }
+    fill({px[0], px[1], px[2]}, view, mask);
   }
 }
 
@@ -146,8 +164,11 @@ std::vector<std::size_t> population(const Layers& layers, const View& view) {
     } else if (const auto* curved = std::get_if<CurvedReference>(&p.layer)) {
       fillCurved(*curved, view, mask);
       known = true;
+    } else if (const auto* surfaces = std::get_if<SurfaceReference>(&p.layer)) {
+      fillSurfaces(*surfaces, view, mask);
+      known = true;
     } else if (const auto* image = std::get_if<ImageReference>(&p.layer)) {
-      const glm::dvec2 a = image->least(), b = image->greatest();
+      const auto [a, b] = image->outline();
       fill({a, {b.x, a.y}, b, {a.x, b.y}}, view, mask);
       known = true;
     }

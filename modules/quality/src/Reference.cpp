@@ -2,6 +2,8 @@
 #include "vernier/quality/Reference.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "Layers.h"
@@ -21,6 +23,16 @@ Result<void> checkView(const View& view) {
 
 }  // namespace
 
+namespace {
+
+// Beside a slice or a frame, surfaces are outlines, which are drawn after the error is taken.
+bool onlySurfaces(const Scene& scene) {
+  return std::all_of(scene.layers.begin(), scene.layers.end(),
+                     [](const Layer& l) { return std::holds_alternative<SurfaceLayer>(l); });
+}
+
+}  // namespace
+
 Result<Layers> Layers::make(const Scene& scene, const View& view, const Sources& sources,
                             const ReferenceOptions& options) {
   if (auto r = checkView(view); !r) return r.error();
@@ -30,6 +42,13 @@ Result<Layers> Layers::make(const Scene& scene, const View& view, const Sources&
   for (std::size_t n = 0; n < scene.layers.size(); ++n) {
     if (const auto truth = options.truths.find(n); truth != options.truths.end()) {
       all.layers_.push_back({truth->second, 0});
+      continue;
+    }
+    if (std::holds_alternative<SurfaceLayer>(scene.layers[n])) {
+      if (!all.layers_.empty() || !onlySurfaces(scene)) continue;
+      auto r = SurfaceReference::make(scene, view, sources);
+      if (!r) return r.error();
+      all.layers_.push_back({std::move(*r), 0});
       continue;
     }
     Result<Prepared> prepared = prepare(scene, scene.layers[n], view, sources, options);
@@ -74,12 +93,24 @@ std::optional<SliceValue> Layers::Prepared::value(glm::dvec2 pixel) const {
 bool Layers::Prepared::covers(glm::dvec2 pixel) const {
   if (const auto* slice = std::get_if<SliceReference>(&layer)) return slice->covers(pixel, samples);
   if (const auto* curved = std::get_if<CurvedReference>(&layer)) return curved->covers(pixel, samples);
-  return value(pixel).has_value();
+  if (const auto* surfaces = std::get_if<SurfaceReference>(&layer)) return surfaces->covers(pixel);
+  const auto* image = std::get_if<ImageReference>(&layer);
+  return image && image->covers(pixel);
 }
 
-double Layers::Prepared::grey(double modality) const {
+std::optional<glm::dvec3> Layers::Prepared::shown(glm::dvec2 pixel, glm::dvec3 background,
+                                                  std::optional<SliceValue>* valueOut) const {
+  if (const auto* image = std::get_if<ImageReference>(&layer)) {
+    double v = std::numeric_limits<double>::quiet_NaN();
+    const auto rgb = image->shown(pixel, &v);
+    if (rgb && !std::isnan(v)) *valueOut = SliceValue{v, v, v};
+    return rgb;
+  }
+  const auto* slice = std::get_if<SliceReference>(&layer);
+  if (slice && slice->volume().isColour()) return slice->colour(pixel, samples, background);
+  *valueOut = value(pixel);
   const VolumeReading* r = reading();
-  return r ? r->grey(modality) : std::get<ImageReference>(layer).grey(modality);
+  return r && *valueOut ? std::optional(glm::dvec3(r->grey((*valueOut)->value))) : std::nullopt;
 }
 
 bool Layers::covers(glm::dvec2 pixel) const {
@@ -101,12 +132,19 @@ ReferencePixel Layers::ground(glm::dvec2 pixel, std::optional<SliceValue>* value
   ReferencePixel out;
   out.rgba = glm::dvec4(background_, 1);
   for (auto p = layers_.rbegin(); p != layers_.rend(); ++p) {
-    const std::optional<SliceValue> v = p->value(pixel);
-    if (!v) continue;
-    if (valueOut && p->reading()) *valueOut = v;
-    const double grey = p->grey(v->value);
-    out.rgba = glm::dvec4(grey, grey, grey, 1);
-    out.value = v->value;
+    if (const auto* surfaces = std::get_if<SurfaceReference>(&p->layer)) {
+      const SurfaceReference::Seen seen = surfaces->seen(pixel, background_);
+      out.rgba = glm::dvec4(seen.colour, 1);
+      out.covered = seen.covered;
+      above = static_cast<std::size_t>(layers_.rend() - p);
+      break;
+    }
+    std::optional<SliceValue> v;
+    const auto rgb = p->shown(pixel, background_, &v);
+    if (!rgb) continue;
+    if (v && valueOut && p->reading()) *valueOut = v;
+    out.rgba = glm::dvec4(*rgb, 1);
+    if (v) out.value = v->value;
     out.covered = true;
     above = static_cast<std::size_t>(layers_.rend() - p);
     break;
@@ -146,6 +184,8 @@ Result<std::vector<std::optional<SliceValue>>> sliceValues(const Scene& scene, s
                                                   " of the scene is no slice or curved reformat.");
   const auto prepared = Layers::prepare(scene, scene.layers[layer], view, sources, options);
   if (!prepared) return prepared.error();
+  if (const VolumeReading* reading = prepared->reading(); reading && reading->volume().isColour())
+    return makeError(ErrorCode::SceneInvalid, "The layer's volume is in colour and has no single values.");
   std::vector<std::optional<SliceValue>> out(points_px.size());
   parallelFor(points_px.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) out[n] = prepared->value(points_px[n]);

@@ -23,6 +23,9 @@ class SliceReference {
   bool covers(glm::dvec2 pixel, int samples) const {
     return reading_.covers(patientAt(pixel), normal_, samples);
   }
+  std::optional<glm::dvec3> colour(glm::dvec2 pixel, int samples, glm::dvec3 background) const {
+    return reading_.colour(patientAt(pixel), normal_, samples, background);
+  }
 
  private:
   SliceReference(VolumeReading reading, const Plane& plane) : reading_(std::move(reading)), plane_(plane) {}

@@ -28,7 +28,7 @@ Result<VolumeReading> VolumeReading::make(const std::string& source, const Slab&
   r.volume_ = found->second;
   r.slab_ = slab;
   r.interpolation_ = interpolation;
-  r.window_ = window ? *window : defaultWindow(*r.volume_);
+  r.window_ = window && !r.volume_->isColour() ? *window : defaultWindow(*r.volume_);
   if (!(r.window_.width > 0) || !std::isfinite(r.window_.width) || !std::isfinite(r.window_.center))
     return makeError(ErrorCode::SceneInvalid, "The layer's window has no width; give a width above 0.");
   // One inversion in all: an inverted display of an inverted image is upright.
@@ -42,24 +42,41 @@ int VolumeReading::samplesFor(const ReferenceOptions& options) const {
 }
 
 std::optional<SliceValue> VolumeReading::value(glm::dvec3 p, glm::dvec3 normal, int samples) const {
+  return volume_->isColour() ? std::nullopt : valueIn(*volume_, p, normal, samples);
+}
+
+std::optional<glm::dvec3> VolumeReading::colour(glm::dvec3 p, glm::dvec3 normal, int samples,
+                                                glm::dvec3 background) const {
+  glm::dvec4 rgba(0, 0, 0, 1);
+  for (int c = 0; c < volume_->info().channels; ++c) {
+    const auto v = valueIn(volume_->channel(c), p, normal, samples);
+    if (!v) return std::nullopt;
+    rgba[c] = v->value / 255;
+  }
+  const glm::dvec3 rgb = invert_ ? 1.0 - glm::dvec3(rgba) : glm::dvec3(rgba);
+  return rgba.w * rgb + (1 - rgba.w) * background;
+}
+
+std::optional<SliceValue> VolumeReading::valueIn(const Volume& volume, glm::dvec3 p, glm::dvec3 normal,
+                                                 int samples) const {
+  const Field field(volume, interpolation_);
   const VoxelFromPatient& toVoxel = volume_->voxelFromPatient();
   LocalRange range;
   std::optional<double> v;
   if (thickness_mm() == 0) {
-    v = Field(*volume_, interpolation_).at((toVoxel * PatientPoint(p)).p, &range);
+    v = field.at((toVoxel * PatientPoint(p)).p, &range);
   } else {
     const glm::dvec3 whole_mm = thickness_mm() * normal;
     const glm::dvec3 first = (toVoxel * PatientPoint(p - 0.5 * whole_mm)).p;
     const glm::dvec3 step = (toVoxel * PatientVec(whole_mm)).v;
-    v = samples > 0 ? sampled(first, step, samples, &range) : continuous(first, step, &range);
+    v = samples > 0 ? sampled(field, first, step, samples, &range) : continuous(field, first, step, &range);
   }
   if (!v) return std::nullopt;
   return SliceValue{*v, range.min, range.max};
 }
 
-std::optional<double> VolumeReading::sampled(glm::dvec3 first_vox, glm::dvec3 step_vox, int samples,
-                                              LocalRange* range) const {
-  const Field field(*volume_, interpolation_);
+std::optional<double> VolumeReading::sampled(const Field& field, glm::dvec3 first_vox, glm::dvec3 step_vox,
+                                             int samples, LocalRange* range) const {
   LocalRange extremes;
   double sum = 0;
   int valid = 0;
@@ -82,12 +99,12 @@ std::optional<double> VolumeReading::sampled(glm::dvec3 first_vox, glm::dvec3 st
   return sum / valid;
 }
 
-std::optional<double> VolumeReading::continuous(glm::dvec3 first_vox, glm::dvec3 step_vox,
+std::optional<double> VolumeReading::continuous(const Field& field, glm::dvec3 first_vox, glm::dvec3 step_vox,
                                                  LocalRange* range) const {
   const bool mean = slab_.mode == SlabMode::Mean;
   LocalRange extremes;
   double sum = 0, length = 0;
-  Field(*volume_, interpolation_).alongLine(first_vox, step_vox, range, [&](const Piece& piece) {
+  field.alongLine(first_vox, step_vox, range, [&](const Piece& piece) {
     const double l = piece.end - piece.begin;
     length += l;
     if (mean) {
@@ -105,9 +122,9 @@ std::optional<double> VolumeReading::continuous(glm::dvec3 first_vox, glm::dvec3
 }
 
 bool VolumeReading::covers(glm::dvec3 p, glm::dvec3 normal, int samples) const {
-  if (thickness_mm() == 0 || samples > 0) return value(p, normal, samples).has_value();
+  if (thickness_mm() == 0 || samples > 0) return valueIn(fieldVolume(), p, normal, samples).has_value();
   const VoxelFromPatient& toVoxel = volume_->voxelFromPatient();
-  const Field field(*volume_, interpolation_);
+  const Field field(fieldVolume(), interpolation_);
   // Nearly always the middle of the slab tells already.
   if (field.at((toVoxel * PatientPoint(p)).p)) return true;
   const glm::dvec3 whole_mm = thickness_mm() * normal;

@@ -25,13 +25,19 @@ class VolumeReading {
   // samples > 0 the midpoint samples of a slab. nullopt: no data.
   std::optional<SliceValue> value(glm::dvec3 patient, glm::dvec3 normal, int samples) const;
   bool covers(glm::dvec3 patient, glm::dvec3 normal, int samples) const;
+  // Of a colour volume: its red, green, blue and alpha, each by itself, over `background`. nullopt: no data.
+  std::optional<glm::dvec3> colour(glm::dvec3 patient, glm::dvec3 normal, int samples, glm::dvec3 background) const;
   double grey(double modality) const;
 
  private:
   static Result<VolumeReading> make(const std::string& source, const Slab&, Interpolation,
                                     const std::optional<VoiWindow>&, bool invert, const Sources&);
-  std::optional<double> sampled(glm::dvec3 first_vox, glm::dvec3 step_vox, int samples, LocalRange*) const;
-  std::optional<double> continuous(glm::dvec3 first_vox, glm::dvec3 step_vox, LocalRange*) const;
+  std::optional<SliceValue> valueIn(const Volume&, glm::dvec3 patient, glm::dvec3 normal, int samples) const;
+  // The volume whose field says where there is data: a colour volume's first channel.
+  const Volume& fieldVolume() const { return volume_->isColour() ? volume_->channel(0) : *volume_; }
+  std::optional<double> sampled(const Field&, glm::dvec3 first_vox, glm::dvec3 step_vox, int samples,
+                                LocalRange*) const;
+  std::optional<double> continuous(const Field&, glm::dvec3 first_vox, glm::dvec3 step_vox, LocalRange*) const;
 
   std::shared_ptr<const Volume> volume_;
   Slab slab_;

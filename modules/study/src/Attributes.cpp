@@ -7,6 +7,7 @@
 #include "FrameReading.h"
 #include "FunctionalGroups.h"
 #include "GridVectors.h"
+#include "Luts.h"
 #include "PixelModule.h"
 #include "References.h"
 #include "Segments.h"
@@ -165,6 +166,15 @@ void readPixels(const Header& h, Record& out) {
   }
   i.pixels = std::move(*spec);
   const FrameSpec& p = i.pixels;
+  if (p.colourSpace() == ColourSpace::Palette) {
+    auto palette = paletteFrom(h, p.isSigned);
+    if (!palette) {
+      i.pixelError = palette.error();
+      return;
+    }
+    i.palette = std::move(palette->palette);
+    i.pixels.corrected += palette->corrected;
+  }
   if (h.pixels->encapsulated) {
     if (auto r = p.checkFileCanHold(h.pixels->bytesThere); !r) i.pixelError = r.error();
     return;
@@ -189,8 +199,6 @@ std::string whyNotShown(const Record& rec) {
   if (!i.isImage)
     return rec.imageClass ? "incomplete: an image object without pixel data"
                           : "kept, not shown: not an image";
-  if (i.photometric == "PALETTE COLOR") return "not shown yet: palette colour";
-  if (!i.pixelError && i.pixels.samplesPerPixel != 1) return "not shown yet: colour image";
   return "";
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "Luts.h"
 #include "StackGeometry.h"
 #include "Text.h"
 
@@ -98,25 +99,8 @@ WindowList readWindows(AttributeReader& r) {
 }
 
 std::optional<LutTable> readLut(AttributeReader& item, bool signedInput) {
-  const Header& h = item.header();
-  const Element* descriptor = item.element(0x00283002);
-  const Element* data = item.element(0x00283006);
-  if (!descriptor || !data || descriptor->length < 6) return std::nullopt;
-  const std::uint16_t declared = *word(h, *descriptor, 0), first = *word(h, *descriptor, 1);
-  LutTable lut;
-  const std::size_t n = declared == 0 ? 65536 : declared;
-  const bool isSigned = descriptor->is("SS") || (!descriptor->is("US") && signedInput);
-  lut.firstMapped = isSigned ? static_cast<std::int16_t>(first) : first;
-  lut.bits = *word(h, *descriptor, 2);
-  if (lut.bits == 0 || lut.bits > 16) return std::nullopt;
-  if (data->length >= 2 * n) {
-    for (std::size_t i = 0; i < n; ++i) lut.data.push_back(*word(h, *data, i));
-  } else if (lut.bits <= 8 && data->length >= n) {
-    for (const std::byte b : h.value(*data).first(n)) lut.data.push_back(std::to_integer<std::uint16_t>(b));
-  } else {
-    return std::nullopt;
-  }
-  lut.explanation = item.text(0x00283003);
+  std::optional<LutTable> lut = lutFrom(item.header(), item.elements(), signedInput);
+  if (lut) lut->explanation = item.text(0x00283003);
   return lut;
 }
 

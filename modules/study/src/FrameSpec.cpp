@@ -53,6 +53,13 @@ SyntaxKind syntaxKind(const std::string& uid) {
   return SyntaxKind::Unknown;
 }
 
+ColourSpace FrameSpec::colourSpace() const {
+  if (samplesPerPixel == 1) return photometric == "PALETTE COLOR" ? ColourSpace::Palette : ColourSpace::Grey;
+  if (photometric.starts_with("YBR_FULL")) return ColourSpace::YbrFull;
+  if (photometric.starts_with("YBR_PARTIAL")) return ColourSpace::YbrPartial;
+  return ColourSpace::Rgb;
+}
+
 Result<std::uint64_t> FrameSpec::frameBytes() const {
   const auto n = checkedProduct({rows, columns, samplesPerPixel, bytesOf(sample)});
   if (!n || *n > limits::kMaxDecodedFrameBytes)

@@ -151,7 +151,9 @@ Result<void> readBits(DcmItem& dataset, FrameSpec& spec) {
   std::uint16_t sign = 0;
   if (auto r = take(dataset, kSign, 0, sign); !r) return r;
   if (sign > 1) return invalid("Pixel Representation is neither 0 nor 1.", kSign.name);
-  spec.isSigned = sign == 1 && allocated > 1;
+  if (sign == 1 && spec.samplesPerPixel > 1)
+    spec.corrected += "Pixel Representation says signed samples of a colour; they are read as unsigned. ";
+  spec.isSigned = sign == 1 && allocated > 1 && spec.samplesPerPixel == 1;
   switch (allocated) {
     case 1:
     case 8:
@@ -187,6 +189,21 @@ Result<bool> readFloat(DcmItem& dataset, FrameSpec& spec) {
   return true;
 }
 
+// Whether three or four samples are colours that can be shown; what one sample is taken for.
+Result<void> checkColour(FrameSpec& spec) {
+  const std::string& name = spec.photometric;
+  const bool three = name == "RGB" || name.starts_with("YBR_");
+  if (spec.samplesPerPixel == 1) {
+    if (!name.empty() && !name.starts_with("MONOCHROME") && name != "PALETTE COLOR")
+      spec.corrected += "Photometric Interpretation names no grey image for one sample per pixel; MONOCHROME2 is taken. ";
+    return {};
+  }
+  if (spec.samplesPerPixel == 3 && three) return {};
+  return invalid("Photometric Interpretation (0028,0004) with " + std::to_string(spec.samplesPerPixel) +
+                     " samples per pixel is none of RGB and YBR_*; retired colour models are not shown.",
+                 kPhotometric.name);
+}
+
 Result<FrameSpec> read(DcmItem& dataset, const std::string& transferSyntaxUid) {
   FrameSpec spec;
   spec.transferSyntaxUid = transferSyntaxUid;
@@ -199,6 +216,7 @@ Result<FrameSpec> read(DcmItem& dataset, const std::string& transferSyntaxUid) {
     return invalid("Samples per Pixel is " + std::to_string(spec.samplesPerPixel) +
                        ", but the photometric interpretation has one.",
                    kSamples.name);
+  if (auto r = checkColour(spec); !r) return r.error();
   if (auto r = take(dataset, kAllocated, {}, spec.bitsAllocated); !r) return r.error();
   const auto isFloat = readFloat(dataset, spec);
   if (!isFloat) return isFloat.error();

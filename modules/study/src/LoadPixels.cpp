@@ -46,6 +46,8 @@ class SliceReader {
     return refuse(ref, r.error(), out);
   }
 
+  ColourSpace colours() const { return scratch_.colours; }  // of the frame read last
+
   Result<void> refuseShape(SliceRef ref, std::span<std::byte> out) {
     return refuse(
         ref,
@@ -229,10 +231,19 @@ struct FrameReader::Impl {
 };
 FrameReader::FrameReader(const StudySet& set) : impl_(std::make_unique<Impl>(set)) {}
 FrameReader::~FrameReader() = default;
-Result<void> FrameReader::read(SliceRef ref, std::span<std::byte> out) { return impl_->reader.read(ref, std::nullopt, out); }
+Result<void> FrameReader::read(SliceRef ref, std::span<std::byte> out, ColourSpace* colours) {
+  Result<void> r = impl_->reader.read(ref, std::nullopt, out);
+  if (r && colours) *colours = impl_->reader.colours();
+  return r;
+}
 
-Result<void> decodeSlice(const StudySet& set, SliceRef ref, std::span<std::byte> out) {
-  return guarded("decodeSlice", [&] { return SliceReader(set).read(ref, std::nullopt, out); });
+Result<void> decodeSlice(const StudySet& set, SliceRef ref, std::span<std::byte> out, ColourSpace* colours) {
+  return guarded("decodeSlice", [&] {
+    SliceReader reader(set);
+    Result<void> r = reader.read(ref, std::nullopt, out);
+    if (r && colours) *colours = reader.colours();
+    return r;
+  });
 }
 
 Result<void> decodeStack(const StudySet& set, const Stack& stack, SampleType sample, std::span<std::byte> out,

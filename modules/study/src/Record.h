@@ -46,6 +46,7 @@ struct Dimension {
 
 struct Record : FrameKeys {
   Instance instance;
+  std::optional<PresentationState> presentation;
   bool imageClass = false;  // of an image storage class, with or without pixel data
   std::string patientId, issuer, patientName, birthDate, sex;
   std::string studyUid, studyDate, studyTime, studyDescription, accession;

@@ -11,6 +11,7 @@
 #include "DicomDir.h"
 #include "FileWalk.h"
 #include "Group.h"
+#include "PresentationFrom.h"
 #include "References.h"
 #include "SeriesFindings.h"
 #include "SopClasses.h"
@@ -70,6 +71,9 @@ Result<void> readInto(FileRecord& file, Scanned& out, bool resolveDirectory) {
     return *h.damage;
   }
   Record r = recordFrom(h);
+  r.presentation = presentationFrom(h);
+  if (r.presentation && r.presentation->whyNot.empty())
+    r.instance.notShown = "applied on request: presentation state";
   if (r.instance.sopClassUid.empty() && !r.instance.isImage) {
     file.kind = FileKind::NoSopClass;
     return makeError(ErrorCode::NotDicom,
@@ -278,7 +282,12 @@ Result<StudySet> scanGuarded(const std::vector<std::string>& paths, const Progre
   for (Finding& f : settleIdentity(
            records, [&](std::size_t a, std::size_t b) { return sameValues(set, digests, a, b); }, fileName))
     set.findings.push_back(std::move(f));
-  for (std::size_t n = 0; n < records.size(); ++n) set.instances[n] = records[n].instance;
+  for (std::size_t n = 0; n < records.size(); ++n) {
+    set.instances[n] = records[n].instance;
+    if (!records[n].presentation) continue;
+    set.presentations.push_back(std::move(*records[n].presentation));
+    set.presentations.back().instance = n;
+  }
   for (Series& s : set.series) {
     fillStacks(records, s);
     for (Finding& f : seriesFindings(records, s.instances, fileName)) s.findings.push_back(std::move(f));

@@ -23,6 +23,7 @@ constexpr std::size_t kSlicesForWindow = 32;
 struct Pixels {
   VoxelType type = VoxelType::I16;
   Buffer buffer;
+  ColourSpace colour = ColourSpace::Grey;
 };
 
 // One slice in its own container (F64 as F32).
@@ -33,7 +34,7 @@ Result<Pixels> decodeOne(const StudySet& set, SliceRef ref) {
   auto made = Buffer::make(static_cast<std::size_t>(*bytes));
   if (!made) return made.error();
   Pixels p{voxelTypeOf(spec.sample), std::move(made).value()};
-  if (Result<void> ok = decodeSlice(set, ref, p.buffer.bytes()); !ok) return ok.error();
+  if (Result<void> ok = decodeSlice(set, ref, p.buffer.bytes(), &p.colour); !ok) return ok.error();
   if (spec.sample == SampleType::F64) {
     const std::size_t n = p.buffer.size() / sizeof(double);
     auto floats = Buffer::make(n * sizeof(float));
@@ -104,13 +105,30 @@ std::optional<Volume::Range> percentilesWithoutBlur(const ImageFrameInfo& info, 
   return percentilesOf(info, marked.buffer.data(), padding);
 }
 
+ImageFrameInfo describePlace(const Series& series, const Stack& stack, std::size_t slice, const SliceFacts& s) {
+  const Instance& i = *s.object;
+  ImageFrameInfo info;
+  info.columns = static_cast<std::int64_t>(i.pixels.columns);
+  info.rows = static_cast<std::int64_t>(i.pixels.rows);
+  info.bitsStored = i.pixels.bitsStored;
+  info.modality = i.modality.empty() ? series.modality : i.modality;
+  info.plane = planeOf(stack, slice, s);
+  info.patientOrientation = i.patientOrientation;
+  info.pixelSpacing_mm = s.frame->pixelSpacing_mm;
+  info.index = static_cast<std::int64_t>(slice);
+  info.count = static_cast<std::int64_t>(stack.slices.size());
+  info.sopInstanceUid = i.sopInstanceUid;
+  info.frameNumber = static_cast<std::int64_t>(stack.slices[slice].frame) + 1;
+  info.title = series.description;
+  info.findings = stack.findings;
+  return info;
+}
+
 ImageFrameInfo describe(const Series& series, const Stack& stack, std::size_t slice, const SliceFacts& s,
                         const SliceFacts& windowSource) {
   const Instance& i = *s.object;
   const FrameAttributes& f = *s.frame;
-  ImageFrameInfo info;
-  info.columns = static_cast<std::int64_t>(i.pixels.columns);
-  info.rows = static_cast<std::int64_t>(i.pixels.rows);
+  ImageFrameInfo info = describePlace(series, stack, slice, s);
   info.unscaled = f.rescaleInvalid;
   if (!info.unscaled) {
     info.rescale = f.rescale;
@@ -121,14 +139,24 @@ ImageFrameInfo describe(const Series& series, const Stack& stack, std::size_t sl
   }
   if (const auto padding = paddingOf(s); padding && !liesInTissueRange(i, *padding)) info.noData = padding;
   info.inverted = isInverted(i);
-  info.modality = i.modality.empty() ? series.modality : i.modality;
-  info.plane = planeOf(stack, slice, s);
-  info.patientOrientation = i.patientOrientation;
-  info.pixelSpacing_mm = f.pixelSpacing_mm;
-  info.index = static_cast<std::int64_t>(slice);
-  info.count = static_cast<std::int64_t>(stack.slices.size());
-  info.title = series.description;
-  info.findings.insert(info.findings.begin(), stack.findings.begin(), stack.findings.end());
+  return info;
+}
+
+// A colour has neither window nor modality value; the frame says how its samples are to be read.
+ImageFrameInfo describeColour(const Series& series, const Stack& stack, std::size_t slice, const SliceFacts& s,
+                              const Pixels& pixels) {
+  const Instance& i = *s.object;
+  ImageFrameInfo info = describePlace(series, stack, slice, s);
+  info.type = pixels.type;
+  info.colour = pixels.colour;
+  info.palette = i.palette;
+  const bool jpeg2000 = syntaxKind(i.pixels.transferSyntaxUid) == SyntaxKind::Jpeg2000;
+  const bool undone = !jpeg2000 && (i.photometric == "YBR_ICT" || i.photometric == "YBR_RCT");
+  if (pixels.colour != i.pixels.colourSpace() || undone)
+    info.findings.push_back({"photometric-contradicted", Severity::Notice,
+                             "The object says " + i.photometric + ", but its pixels are coded as " +
+                                 (pixels.colour == ColourSpace::Rgb ? "RGB" : "YCbCr") + ", and are shown as that.",
+                             {}});
   return info;
 }
 
@@ -179,9 +207,11 @@ Result<std::shared_ptr<const ImageFrame>> build(const StudySet& set, const Serie
       return makeError(ErrorCode::Internal, "The stack names an object that is not in the study.");
   const SliceRef ref = stack.slices[slice];
   const Instance& i = set.instances[ref.instance];
-  if (Result<void> ok = checkSingleSample(i); !ok) return ok.error();
+  if (Result<void> ok = checkImage(i); !ok) return ok.error();
   Result<Pixels> pixels = decodeOne(set, ref);
   if (!pixels) return pixels.error();
+  if (isColour(pixels->colour))
+    return ImageFrame::make(describeColour(series, stack, slice, factsOf(set, ref), *pixels), std::move(pixels->buffer));
 
   const bool perImage = windowPerImage(stack, i.modality);
   const SliceFacts facts = factsOf(set, ref), middle = factsOf(set, stack.slices[stack.slices.size() / 2]);

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 
+#include "BuildColour.h"
 #include "Keep.h"
 #include "LossyPadding.h"
 #include "StackFacts.h"
@@ -140,7 +141,7 @@ class Builder {
     }
     voxels_.shrink(kept.size() * sliceBytes);
     info_.grid = withoutSlices(stack_.grid, kept);
-    if (!failed.empty()) info_.findings.push_back(lostSlices(failed));
+    if (!failed.empty()) info_.findings.push_back(lostSlices(stack_, failed));
     return {};
   }
 
@@ -170,20 +171,6 @@ class Builder {
     return {};
   }
 
-  Finding lostSlices(const std::vector<SliceFailure>& failed) const {
-    Finding f;
-    f.code = "slices-not-decoded";
-    f.severity = Severity::Warning;
-    f.sentence = std::to_string(failed.size()) + " of " + std::to_string(stack_.slices.size()) +
-                 " slices could not be decoded and are shown as missing. The first said: " +
-                 failed.front().error.sentence;
-    std::vector<double> positions;
-    for (const SliceFailure& s : failed)
-      if (s.slice < stack_.positions_mm.size()) positions.push_back(stack_.positions_mm[s.slice]);
-    f.numbers = {{"slices", static_cast<double>(failed.size())}, {"positions_mm", std::move(positions)}};
-    return f;
-  }
-
   void describe() {
     const Instance& m = *middle().object;
     const FrameAttributes& f = *middle().frame;
@@ -199,24 +186,12 @@ class Builder {
     info_.studyUid = series_.studyUid;
     info_.frameOfReferenceUid = m.frameOfReferenceUid;
     info_.title = series_.description;
-    info_.patientKey = patientKey();
+    info_.patientKey = patientKey(set_, series_);
     info_.findings.insert(info_.findings.begin(), stack_.findings.begin(), stack_.findings.end());
     if (options_.bridgeGaps && !info_.grid.gapAfter.empty()) {
       info_.grid.gapAfter.clear();
       info_.bridged = true;
     }
-  }
-
-  std::string patientKey() const {
-    for (const Patient& p : set_.patients)
-      for (const std::size_t study : p.studies) {
-        if (study >= set_.studies.size()) continue;
-        for (const std::size_t s : set_.studies[study].series)
-          if (s < set_.series.size() && set_.series[s].seriesUid == series_.seriesUid &&
-              set_.series[s].studyUid == series_.studyUid)
-            return p.id.empty() ? std::string() : p.id + '\x1f' + p.issuer;
-      }
-    return {};
   }
 
   std::size_t perSlice() const { return static_cast<std::size_t>(info_.grid.columns * info_.grid.rows); }
@@ -332,6 +307,7 @@ class Builder {
 Result<std::shared_ptr<const Volume>> buildVolume(const StudySet& set, const Series& series,
                                                   const Stack& stack, const BuildOptions& options,
                                                   const ProgressFn& progress, std::stop_token stop) {
+  if (isColourStack(set, stack)) return buildColourVolume(set, series, stack, options, progress, stop);
   return guarded("buildVolume", [&] { return Builder(set, series, stack, options).build(progress, stop); });
 }
 

@@ -6,6 +6,7 @@
 namespace vernier {
 
 VoiWindow automaticWindow(const Volume& v) {
+  if (v.isColour()) return {127.5, 255, VoiFunction::LinearExact, "colours"};
   const VolumeInfo& info = v.info();
   const std::size_t perSlice = static_cast<std::size_t>(info.grid.columns * info.grid.rows);
   std::vector<SliceValues> slices;

@@ -126,6 +126,7 @@ std::optional<double> cubicModality(const Volume& volume, const glm::dvec3& p, c
 }  // namespace
 
 std::optional<double> sampleModality(const Volume& volume, PatientPoint point, Interpolation interpolation) {
+  if (volume.isColour()) return std::nullopt;
   if (interpolation == Interpolation::Nearest) {
     const auto nearest = probeStored(volume, point);
     if (!nearest || nearest->noData) return std::nullopt;
@@ -143,6 +144,18 @@ std::optional<double> sampleModality(const Volume& volume, PatientPoint point, I
   return sum.value / sum.weight;
 }
 
+std::optional<std::array<double, 4>> sampleColour(const Volume& volume, PatientPoint point,
+                                                  Interpolation interpolation) {
+  if (!volume.isColour()) return std::nullopt;
+  std::array<double, 4> out{0, 0, 0, 255};
+  for (int c = 0; c < volume.info().channels; ++c) {
+    const auto v = sampleModality(volume.channel(c), point, interpolation);
+    if (!v) return std::nullopt;
+    out[static_cast<std::size_t>(c)] = *v;
+  }
+  return out;
+}
+
 std::optional<StoredProbe> probeStored(const Volume& volume, PatientPoint point) {
   const GridGeometry& g = volume.grid();
   const glm::dvec3 p = (volume.voxelFromPatient() * point).p;
@@ -156,6 +169,10 @@ std::optional<StoredProbe> probeStored(const Volume& volume, PatientPoint point)
   if (!x || !y) return std::nullopt;
   probe.i = x->t >= 0.5 ? x->second : x->first;
   probe.j = y->t >= 0.5 ? y->second : y->first;
+  if (volume.isColour()) {
+    probe.rgba = volume.rgba(probe.i, probe.j, probe.k);
+    return probe;
+  }
   const VoxelValue value = volume.probe(probe.i, probe.j, probe.k);
   probe.stored = value.stored;
   probe.modality = value.modality;

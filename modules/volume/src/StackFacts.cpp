@@ -8,10 +8,15 @@
 
 namespace vernier {
 
-Result<void> checkSingleSample(const Instance& i) {
+Result<void> checkImage(const Instance& i) {
   if (i.pixelError) return *i.pixelError;
   if (!i.isImage)
     return makeError(ErrorCode::PixelDataMissing, "The object is not an image; choose another one.");
+  return {};
+}
+
+Result<void> checkSingleSample(const Instance& i) {
+  if (Result<void> ok = checkImage(i); !ok) return ok;
   if (i.pixels.samplesPerPixel != 1 || i.photometric.starts_with("PALETTE"))
     return makeError(
         ErrorCode::NotBuiltYet,
@@ -110,6 +115,32 @@ bool liesInTissueRange(const Instance& i, const NoDataRange& padding) {
 
 bool isInverted(const Instance& i) {
   return i.photometric == "MONOCHROME1" || i.presentationLutShape == "INVERSE";
+}
+
+Finding lostSlices(const Stack& stack, const std::vector<SliceFailure>& failed) {
+  Finding f;
+  f.code = "slices-not-decoded";
+  f.severity = Severity::Warning;
+  f.sentence = std::to_string(failed.size()) + " of " + std::to_string(stack.slices.size()) +
+               " slices could not be decoded and are shown as missing. The first said: " +
+               failed.front().error.sentence;
+  std::vector<double> positions;
+  for (const SliceFailure& s : failed)
+    if (s.slice < stack.positions_mm.size()) positions.push_back(stack.positions_mm[s.slice]);
+  f.numbers = {{"slices", static_cast<double>(failed.size())}, {"positions_mm", std::move(positions)}};
+  return f;
+}
+
+std::string patientKey(const StudySet& set, const Series& series) {
+  for (const Patient& p : set.patients)
+    for (const std::size_t study : p.studies) {
+      if (study >= set.studies.size()) continue;
+      for (const std::size_t s : set.studies[study].series)
+        if (s < set.series.size() && set.series[s].seriesUid == series.seriesUid &&
+            set.series[s].studyUid == series.studyUid)
+          return p.id.empty() ? std::string() : p.id + '\x1f' + p.issuer;
+    }
+  return {};
 }
 
 std::vector<VoiWindow> windowsOf(const FrameAttributes& frame, std::vector<Finding>& findings) {

@@ -5,12 +5,14 @@
 #include <optional>
 #include <vector>
 
-#include "vernier/study/Model.h"
+#include "vernier/study/Load.h"
 #include "vernier/volume/Volume.h"
 
 namespace vernier {
 
-// NotBuiltYet for colour, with a sentence; the instance's own pixelError when its pixels cannot be shown.
+// Whether the pixels can be shown: the instance's own pixelError, or PixelDataMissing.
+Result<void> checkImage(const Instance&);
+// The same for volumes of grey values; NotBuiltYet for colour, with a sentence.
 Result<void> checkSingleSample(const Instance&);
 
 SampleType sampleOf(VoxelType);
@@ -37,6 +39,11 @@ bool liesInTissueRange(const Instance&, const NoDataRange&);
 // One inversion, whichever of MONOCHROME1 and PresentationLUTShape INVERSE asks for it: an object that has
 // both says the same thing twice (the DX Image module asks for both).
 bool isInverted(const Instance&);
+
+// The finding "slices-not-decoded": which slices of a stack are missing from its volume, and why.
+Finding lostSlices(const Stack&, const std::vector<SliceFailure>&);
+// VolumeInfo::patientKey of a series.
+std::string patientKey(const StudySet&, const Series&);
 
 // The frame's usable windows, widths below 1 under LINEAR taken as LINEAR_EXACT with a notice.
 std::vector<VoiWindow> windowsOf(const FrameAttributes&, std::vector<Finding>& findings);

@@ -10,6 +10,7 @@
 #include "VoxelAccess.h"
 #include "vernier/base/Checked.h"
 #include "vernier/base/Guarded.h"
+#include "vernier/base/Threads.h"
 
 namespace vernier {
 namespace {
@@ -183,7 +184,77 @@ Result<std::shared_ptr<const Volume>> Volume::makeAny(VolumeInfo&& info, Buffer&
   });
 }
 
+Result<std::shared_ptr<const Volume>> Volume::makeColour(VolumeInfo info, int samples,
+                                                         std::span<const std::byte> interleaved) {
+  const GridGeometry& g = info.grid;
+  if (samples != 3 && samples != 4)
+    return makeError(ErrorCode::PixelDescriptionInvalid,
+                     "A colour volume has 3 or 4 samples per voxel, not " + std::to_string(samples) + ".");
+  const std::size_t n = interleaved.size() / static_cast<std::size_t>(samples);
+  Result<void> ok = checkSize(g, VoxelType::U8, n);
+  if (ok && n * static_cast<std::size_t>(samples) != interleaved.size())
+    ok = makeError(ErrorCode::PixelDataShort, "The colour volume's last voxel is not whole.");
+  if (!ok) return ok.error();
+  std::vector<Buffer> planes;
+  for (int c = 0; c < samples; ++c) {
+    auto plane = Buffer::make(n);
+    if (!plane) return plane.error();
+    planes.push_back(std::move(*plane));
+  }
+  parallelFor(n, std::size_t{1} << 16, [&](std::size_t begin, std::size_t end) {
+    for (int c = 0; c < samples; ++c) {
+      std::byte* const out = planes[static_cast<std::size_t>(c)].data();
+      const std::byte* in = interleaved.data() + begin * static_cast<std::size_t>(samples) + c;
+      for (std::size_t v = begin; v < end; ++v, in += samples) out[v] = *in;
+    }
+  });
+  return makeColour(std::move(info), std::move(planes));
+}
+
+Result<std::shared_ptr<const Volume>> Volume::makeColour(VolumeInfo info, std::vector<Buffer> planes) {
+  if (planes.size() != 3 && planes.size() != 4)
+    return makeError(ErrorCode::PixelDescriptionInvalid,
+                     "A colour volume has 3 or 4 channels, not " + std::to_string(planes.size()) + ".");
+  return guarded("Volume::makeColour", [&]() -> Result<std::shared_ptr<const Volume>> {
+    std::shared_ptr<Volume> v(new Volume);
+    info.type = VoxelType::U8;
+    info.channels = static_cast<int>(planes.size());
+    info.rescale = {ModalityRescale{}};
+    info.noData.reset();
+    info.windows.clear();
+    info.voiLuts.clear();
+    info.inverted = info.unscaled = false;
+    for (Buffer& plane : planes) {
+      VolumeInfo one;
+      one.grid = info.grid;
+      one.type = VoxelType::U8;
+      auto channel = make(std::move(one), std::move(plane));
+      if (!channel) return channel.error();
+      v->channels_.push_back(std::move(*channel));
+    }
+    v->range_ = Range{0, 255};
+    v->voxelFromPatient_ = info.grid.patientFromVoxel.inverse();
+    v->info_ = std::move(info);
+    v->revision_ = nextRevision();
+    return std::shared_ptr<const Volume>(std::move(v));
+  });
+}
+
+std::array<std::uint8_t, 4> Volume::rgba(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  std::array<std::uint8_t, 4> out{0, 0, 0, 255};
+  for (std::size_t c = 0; c < channels_.size(); ++c)
+    out[c] = std::to_integer<std::uint8_t>(channels_[c]->data()[index(i, j, k)]);
+  return out;
+}
+
+std::size_t Volume::bytes() const {
+  std::size_t all = voxels_.size();
+  for (const auto& channel : channels_) all += channel->bytes();
+  return all;
+}
+
 double Volume::stored(std::int64_t i, std::int64_t j, std::int64_t k) const {
+  VERNIER_ASSERT(!isColour());
   return storedAt(info_.type, voxels_.data(), index(i, j, k));
 }
 

@@ -66,7 +66,7 @@ TEST_F(SettingsTest, PluginFoldersAreAList) {
 TEST_F(SettingsTest, ToldWhetherSettingsCanBeKept) {
   EXPECT_TRUE(checkSettingsFolder().ok());
   EXPECT_TRUE(std::filesystem::is_empty(dir_.path())) << "looking creates nothing";
-  ::setenv("XDG_CONFIG_HOME", "/proc/nothing-can-be-made-here", 1);
+  ::setenv("XDG_CONFIG_HOME", "/dev/null/nothing-can-be-made-here", 1);
   const Result<void> readOnly = checkSettingsFolder();
   ASSERT_FALSE(readOnly.ok());
   EXPECT_EQ(readOnly.error().code, ErrorCode::WriteFailed);

@@ -61,8 +61,14 @@ Scene randomScene(std::uint64_t& c) {
               1 + 178 * randomUnit(9, c++),
               positive(c),
               std::nullopt,
-              {anyDouble(c), anyDouble(c)}};
+              {anyDouble(c), anyDouble(c)},
+              std::nullopt,
+              std::nullopt,
+              0};
   if (bit()) s.camera.height_mm = positive(c);
+  if (bit()) s.camera.target = PatientPoint(vec());
+  if (bit()) s.camera.distance_mm = anyDouble(c);
+  if (bit()) s.camera.near_mm = positive(c);
   s.background = {randomUnit(9, c++), randomUnit(9, c++), randomUnit(9, c++)};
   ImageLayer image;
   image.source = "1.2.840\t\xE6\x97\xA5";
@@ -77,6 +83,14 @@ Scene randomScene(std::uint64_t& c) {
   slice.slab = {positive(c), bit() ? SlabMode::Mean : SlabMode::Min};
   slice.window = window();
   slice.invert = bit();
+  SurfaceLayer surface;
+  surface.source = "screw #2.stl";
+  // Determinants of any doubles overflow: a turn with a scale, and any place.
+  surface.pose.linear =
+      positive(c) > 1 ? glm::dmat3({0, 2.5, 0}, {-1.0 / 3, 0, 0}, {0.1, 0, -1e-7}) : glm::dmat3(1.0);
+  surface.pose.translation = vec();
+  surface.colour = {randomUnit(9, c++), randomUnit(9, c++), randomUnit(9, c++)};
+  surface.opacity = randomUnit(9, c++);
   CurvedLayer curved;
   curved.source = "c";
   for (std::uint64_t n = 0; n < 2 + randomBits(9, c) % 5; ++n) curved.path.push_back(PatientPoint(vec()));
@@ -89,7 +103,7 @@ Scene randomScene(std::uint64_t& c) {
   curved.invert = bit();
   slice.interpolation = bit() ? Interpolation::Cubic : Interpolation::Linear;
   s.layers = {image, slice, curved, *customLayer(R"({"kind": "shells", "version": 2, "levels": [0.10, 1e5, -0]})"),
-              slice};
+              slice, surface};
   return s;
 }
 
@@ -110,6 +124,31 @@ TEST(SceneJson, ParseOfWriteIsTheSameBitForBit) {
     const glm::dvec3 b = std::get<SliceLayer>(back->layers[1]).plane.normal.v;
     for (int k = 0; k < 3; ++k) ASSERT_TRUE(sameBits(a[k], b[k])) << a[k];
   }
+}
+
+TEST(SceneJson, SurfacesAreCheckedWithTheirPath) {
+  const auto surface = [](const std::string& keys) {
+    return whereOf(withLayer(R"({"kind": "surface", "source": "a.stl")" + keys + "}"));
+  };
+  EXPECT_EQ(surface(""), "ok");
+  EXPECT_EQ(surface(R"(, "pose": [1,0,0,5, 0,1,0,6, 0,0,1,7, 0,0,0,1])"), "ok");
+  EXPECT_EQ(surface(R"(, "pose": [1,0,0,5, 0,1,0,6, 0,0,1,7])"), "/layers/0/pose");
+  EXPECT_EQ(surface(R"(, "pose": [1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1])"),
+            "/layers/0/pose");  // column by column
+  EXPECT_EQ(surface(R"(, "pose": [1,0,0,5, 0,1,0,6, 1,1,0,7, 0,0,0,1])"), "/layers/0/pose");  // flat
+  EXPECT_EQ(surface(R"(, "pose": [1,0,0,5, 0,1,0,6, 0,0,"1",7, 0,0,0,1])"), "/layers/0/pose/10");
+  EXPECT_EQ(surface(R"(, "opacity": 1.5)"), "/layers/0/opacity");
+  EXPECT_EQ(surface(R"(, "opacity": -0.1)"), "/layers/0/opacity");
+  EXPECT_EQ(surface(R"(, "colour": [1, 0, 2])"), "/layers/0/colour/2");
+  EXPECT_EQ(surface(R"(, "color": [1, 0, 0])"), "/layers/0/color");
+  EXPECT_EQ(whereOf(withLayer(R"({"kind": "surface"})")), "/layers/0");
+  EXPECT_EQ(whereOf(withCamera(R"({"near_mm": -1})")), "/camera/near_mm");
+  EXPECT_EQ(whereOf(withCamera(R"({"target_mm": [1, 2]})")), "/camera/target_mm");
+  const auto scene = parseScene(
+      withLayer(R"({"kind": "surface", "source": "a.stl", "pose": [1,2,3,5, 0,1,4,6, 0,0,1,7, 0,0,0,1]})"));
+  ASSERT_TRUE(scene.ok());
+  EXPECT_EQ(std::get<SurfaceLayer>(scene->layers[0]).pose * MeshPoint(1, 10, 100),
+            PatientPoint(326, 416, 107));
 }
 
 TEST(SceneJson, MinusZeroAndExtremesSurvive) {

@@ -214,7 +214,9 @@ TEST(ScanStudy, WhatIsNotDrawnSaysWhy) {
   s.bitsAllocated = s.bitsStored = 8;
   s.isSigned = false;
   s.photometric = "RGB";
-  EXPECT_EQ(only(s).notShown, "not shown yet: colour image");
+  EXPECT_EQ(only(s).notShown, "");
+  s.photometric = "HSV";
+  EXPECT_EQ(only(s).pixelError->code, ErrorCode::PixelDescriptionInvalid);
   DicomSlice enhanced;
   enhanced.sopClassUid = "1.2.840.10008.5.1.4.1.1.4.1";
   EXPECT_EQ(only(enhanced).notShown, "");

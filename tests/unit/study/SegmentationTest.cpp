@@ -108,8 +108,8 @@ TEST(Segmentation, FractionsAreParts) {
   EXPECT_EQ(s.instance().frame(1).unit, "fraction");
 }
 
-// Expected: LittleCMS 2 by way of PIL.ImageCms, LAB (D50) to its built-in sRGB, relative colorimetric; its path of
-// 8 bits interpolates a table, which is 3 levels off in the dark.
+// Expected: LittleCMS 2 by way of PIL.ImageCms, LAB (D50) to its built-in sRGB, relative colorimetric; its
+// path of 8 bits interpolates a table, which is 3 levels off in the dark.
 TEST(Segmentation, ColoursAreThoseOfAColourManagementSystem) {
   struct Case {
     std::array<std::uint16_t, 3> lab;

@@ -154,11 +154,8 @@ TEST(BuildFrame, RefusesWithASentence) {
   HandMadeStudy s;
   makeStudy(s, countingSlices(2));
   EXPECT_EQ(build(s, 2).error().code, ErrorCode::OptionInvalid);
-  s.instance(0).photometric = "PALETTE COLOR";
-  EXPECT_EQ(build(s, 0).error().code, ErrorCode::NotBuiltYet);
   s.instance(1).pixelError = makeError(ErrorCode::CodecUnsupported, "No.");
   EXPECT_EQ(build(s, 1).error().code, ErrorCode::CodecUnsupported);
-  s.instance(0).photometric = "MONOCHROME2";
   std::filesystem::resize_file(s.file(0), s.set.files[0].bytes - 6);
   EXPECT_EQ(build(s, 0).error().code, ErrorCode::PixelDataShort);
 }

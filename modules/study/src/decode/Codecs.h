@@ -20,6 +20,7 @@ using ByteSpan = std::span<const std::byte>;
 struct Scratch {
   std::vector<std::byte> frame;   // the compressed frame
   std::vector<std::byte> pixels;  // decoded, before interleaving or widening
+  ColourSpace colours = ColourSpace::Grey;  // of the frame decoded last
 };
 
 // What the codec's header says of the image.

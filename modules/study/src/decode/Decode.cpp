@@ -11,7 +11,7 @@ namespace {
 
 // Frames decoded so far; the first error ends the work.
 Result<void> decodeFrames(study::Source& source, std::uint64_t dataSet, const FrameSpec& spec,
-                          std::span<std::byte> out, std::uint64_t& done) {
+                          std::span<std::byte> out, std::uint64_t& done, ColourSpace* colours) {
   const auto index = study::indexPixels(source, dataSet, spec);
   if (!index) return index.error();
   const std::uint64_t bytes = out.size() / spec.frameCount;
@@ -20,12 +20,13 @@ Result<void> decodeFrames(study::Source& source, std::uint64_t dataSet, const Fr
     const auto r = study::decodeFrame(source, *index, spec, spec.firstFrame + done,
                                       out.subspan(done * bytes, bytes), scratch);
     if (!r) return r;
+    if (colours) *colours = scratch.colours;
   }
   return {};
 }
 
 Result<void> decodeFile(std::span<const std::byte> file, const FrameSpec& spec, std::span<std::byte> out,
-                        std::uint64_t& done) {
+                        std::uint64_t& done, ColourSpace* colours) {
   if (auto r = study::checkSpec(spec); !r) return r;
   const auto bytes = spec.outputBytes();
   if (!bytes) return bytes.error();
@@ -39,18 +40,19 @@ Result<void> decodeFile(std::span<const std::byte> file, const FrameSpec& spec, 
   const auto dataSet = study::dataSetOffset(source);
   if (!dataSet) return dataSet.error();
   if (syntaxKind(spec.transferSyntaxUid) != SyntaxKind::Deflated)
-    return decodeFrames(source, *dataSet, spec, out, done);
+    return decodeFrames(source, *dataSet, spec, out, done, colours);
   const auto plain = study::inflateAll(file.subspan(*dataSet));
   if (!plain) return plain.error();
   study::SpanSource inflated(*plain);
-  return decodeFrames(inflated, 0, spec, out, done);
+  return decodeFrames(inflated, 0, spec, out, done, colours);
 }
 
 }  // namespace
 
-Result<void> decode(std::span<const std::byte> file, const FrameSpec& spec, std::span<std::byte> out) {
+Result<void> decode(std::span<const std::byte> file, const FrameSpec& spec, std::span<std::byte> out,
+                    ColourSpace* colours) {
   std::uint64_t done = 0;
-  Result<void> r = guarded("decode", [&] { return decodeFile(file, spec, out, done); });
+  Result<void> r = guarded("decode", [&] { return decodeFile(file, spec, out, done, colours); });
   if (!r) {
     const std::uint64_t kept = spec.frameCount > 0 ? done * (out.size() / spec.frameCount) : 0;
     std::ranges::fill(out.subspan(kept), std::byte{0});

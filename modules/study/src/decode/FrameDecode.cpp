@@ -144,6 +144,7 @@ Result<void> checkSpec(const FrameSpec& spec) {
 
 Result<void> decodeFrame(Source& source, const PixelIndex& index, const FrameSpec& spec, std::uint64_t frame,
                          std::span<std::byte> out, Scratch& scratch) {
+  scratch.colours = spec.colourSpace();
   Result<void> done = guarded("decode", [&] { return decodeAny(source, index, spec, frame, out, scratch); });
   if (!done) std::ranges::fill(out, std::byte{0});
   return done;

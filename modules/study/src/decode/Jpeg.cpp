@@ -9,10 +9,12 @@
 #include <dcmtk/dcmjpeg/djdijg8.h>
 #include <dcmtk/oflog/oflog.h>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string_view>
 
 #include "decode/Codecs.h"
 #include "vernier/study/Limits.h"
@@ -28,16 +30,45 @@ Error failed(const std::string& what) {
 struct JpegHeader {
   CodedImage image;
   bool lossless = false;
+  std::optional<bool> ybr;  // what the image says of its colours; absent: nothing
 };
 
 std::uint32_t be16(ByteSpan b, std::size_t at) {
   return std::to_integer<std::uint32_t>(b[at]) << 8 | std::to_integer<std::uint32_t>(b[at + 1]);
 }
 
+bool startsWith(ByteSpan b, std::string_view text) {
+  return b.size() >= text.size() &&
+         std::equal(text.begin(), text.end(), b.begin(),
+                    [](char c, std::byte x) { return std::byte(static_cast<unsigned char>(c)) == x; });
+}
+
+// The colour transform that an Adobe APP14 segment names (T.872 6.5.3): 0 none, 1 YCbCr.
+std::optional<bool> adobeYbr(ByteSpan segment) {
+  if (!startsWith(segment, "Adobe") || segment.size() < 12) return std::nullopt;
+  if (segment[11] == std::byte{0}) return false;
+  if (segment[11] == std::byte{1}) return true;
+  return std::nullopt;
+}
+
+// `components`: identifier, sampling factors, table of each, from the frame header.
+std::optional<bool> ybrOf(ByteSpan components, std::optional<bool> adobe, bool jfif) {
+  if (components.size() != 9) return std::nullopt;
+  if (adobe) return adobe;
+  if (jfif) return true;  // JFIF knows grey and YCbCr only
+  if (components[0] == std::byte{'R'} && components[3] == std::byte{'G'} && components[6] == std::byte{'B'})
+    return false;
+  // Only chroma is ever kept at half the resolution.
+  if (components[1] != components[4] || components[1] != components[7]) return true;
+  return std::nullopt;
+}
+
 // Walks the marker segments up to the first frame header (SOF).
 std::optional<JpegHeader> findFrameHeader(ByteSpan b) {
   if (b.size() < 4 || be16(b, 0) != 0xFFD8) return std::nullopt;
   std::size_t at = 2;
+  std::optional<bool> adobe;
+  bool jfif = false;
   while (at + 4 <= b.size()) {
     if (b[at] != std::byte{0xFF}) return std::nullopt;
     const auto marker = std::to_integer<unsigned>(b[at + 1]);
@@ -60,8 +91,12 @@ std::optional<JpegHeader> findFrameHeader(ByteSpan b) {
       h.image.columns = be16(b, at + 7);
       h.image.components = std::to_integer<std::uint64_t>(b[at + 9]);
       h.lossless = marker == 0xC3;
+      h.ybr = ybrOf(b.subspan(at + 10, length - 8), adobe, jfif);
       return h;
     }
+    const ByteSpan segment = b.subspan(at + 4, length - 2);
+    if (marker == 0xE0 && startsWith(segment, "JFIF")) jfif = true;
+    if (marker == 0xEE) adobe = adobeYbr(segment);
     at += 2 + length;
   }
   return std::nullopt;
@@ -114,6 +149,11 @@ Result<void> decodeJpeg(ByteSpan frame, const FrameSpec& spec, std::span<std::by
                       static_cast<Uint32>(size), spec.isSigned);
   if (done.bad()) return failed(std::string("is cut short or damaged (") + done.text() + ")");
   widenSamples(spec, header->image.precision, scratch.pixels, bytes, out);
+  // Lossless coders never transform colours, whatever markers they write; else the image itself knows best.
+  if (!header->lossless && header->ybr) {
+    if (!*header->ybr) scratch.colours = ColourSpace::Rgb;
+    if (*header->ybr && scratch.colours == ColourSpace::Rgb) scratch.colours = ColourSpace::YbrFull;
+  }
   return {};
 }
 

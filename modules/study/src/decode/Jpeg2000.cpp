@@ -98,7 +98,19 @@ Stream openStream(Input& in) {
   return s;
 }
 
-Result<Image> decodeImage(ByteSpan frame, const FrameSpec& spec) {
+struct Decoded {
+  Image image;
+  bool transformed = false;  // the library has undone the colour transform of the codestream: RGB
+};
+
+bool transformsColours(opj_codec_t* codec) {
+  opj_codestream_info_v2_t* info = opj_get_cstr_info(codec);
+  const bool yes = info && info->m_default_tile_info.mct == 1;
+  opj_destroy_cstr_info(&info);
+  return yes;
+}
+
+Result<Decoded> decodeImage(ByteSpan frame, const FrameSpec& spec) {
   Input in{frame};
   const Stream stream = openStream(in);
   const bool boxed = frame[0] == std::byte{0};
@@ -117,7 +129,7 @@ Result<Image> decodeImage(ByteSpan frame, const FrameSpec& spec) {
   if (!opj_decode(codec.get(), stream.get(), image.get())) return failed("is cut short or damaged");
   // A palette of a JP2 box changes the components.
   if (image->numcomps != spec.samplesPerPixel) return failed("turns into another number of components");
-  return image;
+  return Decoded{std::move(image), transformsColours(codec.get())};
 }
 
 template <class T>
@@ -130,17 +142,19 @@ void copyComponent(const opj_image_comp_t& c, std::uint64_t pixels, std::uint64_
 
 }  // namespace
 
-Result<void> decodeJpeg2000(ByteSpan frame, const FrameSpec& spec, std::span<std::byte> out, Scratch&) {
+Result<void> decodeJpeg2000(ByteSpan frame, const FrameSpec& spec, std::span<std::byte> out,
+                            Scratch& scratch) {
   const auto size = findSize(frame);
   if (!size) return failed("has no readable header");
   if (auto r = checkCoded(size->image, spec); !r) return r;
   // Each tile needs at least its part header and start-of-data marker.
   if (size->tiles > frame.size() / 14) return failed("declares more tiles than it can hold");
-  const auto image = decodeImage(frame, spec);
-  if (!image) return image.error();
+  const auto decoded = decodeImage(frame, spec);
+  if (!decoded) return decoded.error();
+  const Image& image = decoded->image;
   const std::uint64_t pixels = spec.rows * spec.columns, bytes = bytesOf(spec.sample);
   for (std::uint32_t s = 0; s < spec.samplesPerPixel; ++s) {
-    const opj_image_comp_t& c = (*image)->comps[s];
+    const opj_image_comp_t& c = image->comps[s];
     if (!c.data || c.w != spec.columns || c.h != spec.rows || c.prec > spec.bitsAllocated)
       return makeError(ErrorCode::CodecMismatch,
                        "A component of the JPEG 2000 image has another size than the image.");
@@ -149,9 +163,10 @@ Result<void> decodeJpeg2000(ByteSpan frame, const FrameSpec& spec, std::span<std
     if (bytes == 2) copyComponent<std::uint16_t>(c, pixels, spec.samplesPerPixel, to);
     if (bytes == 4) copyComponent<std::uint32_t>(c, pixels, spec.samplesPerPixel, to);
   }
-  const std::uint32_t precision = (*image)->comps[0].prec;
+  const std::uint32_t precision = image->comps[0].prec;
   const std::uint32_t lowBit = precision > spec.bitsStored ? spec.highBit + 1 - spec.bitsStored : 0;
   maskSamples(spec, lowBit, spec.bitsStored, out);
+  if (spec.samplesPerPixel == 3 && decoded->transformed) scratch.colours = ColourSpace::Rgb;
   return {};
 }
 

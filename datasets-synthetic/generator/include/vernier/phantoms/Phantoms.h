@@ -28,13 +28,14 @@ struct PhantomRecipe {
   std::string name;
   std::string summary;  // one line
   std::vector<PhantomSetting> settings;
+  bool isSurface = false;  // one STL file in place of a study
 };
 
 // All recipes, by name.
 const std::vector<PhantomRecipe>& phantomRecipes();
 
 enum class PhantomFormat {
-  Dicom,      // outDir/NAME/*.dcm
+  Dicom,      // outDir/NAME/*.dcm; recipes of surfaces are written as outDir/NAME.stl
   MetaImage,  // outDir/NAME.mhd + NAME.raw, int16 or uint8, stored values; one-series recipes on an even
               // lattice only
 };
@@ -46,7 +47,7 @@ struct PhantomOptions {
 };
 
 struct PhantomInfo {
-  std::filesystem::path data;  // the folder of DICOM files, or the .mhd
+  std::filesystem::path data;  // the folder of DICOM files, or the .mhd or .stl
   std::filesystem::path
       answers;  // outDir/NAME.answers.json, beside the data so that a study folder holds DICOM only
   std::uint64_t files = 0, bytes = 0;

@@ -3,6 +3,7 @@
 // the error was taken. `Annotations` says what, `Layout` where: both are plain data, so that the window can
 // draw the same.
 //
+// The drawings of a presentation state come first, under everything else.
 // Places: letters at the middle of each edge; `what` at the top left; FLIPPED at the top right; `status` at
 // the bottom left; the scale bar at the bottom right. Nothing overlaps: what has no room is left out, the
 // least important first (letters, FLIPPED, what, status, scale bar; within a list the last first), and listed
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "vernier/base/Api.h"
+#include "vernier/picture/Graphics.h"
 #include "vernier/picture/Picture.h"
 #include "vernier/plan/PictureGeometry.h"
 
@@ -36,6 +38,7 @@ struct Annotations {
   std::vector<TextLine> status;  // error, window...
   double mmPerPixel = 0;         // 0: not known, the scale bar's place says that lengths are in px
   bool scaleBar = true;
+  Graphics graphics;  // of a presentation state
 };
 
 struct Box {
@@ -56,6 +59,8 @@ struct Layout {
   std::vector<LaidText> texts;
   std::optional<LaidBar> bar;
   std::vector<std::string> dropped;
+  Graphics graphics;  // under all letters
+  int letter_px = 12;
 };
 
 VERNIER_API Layout layoutAnnotations(const Annotations&, int width, int height, double scale = 1);

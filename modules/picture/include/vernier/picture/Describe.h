@@ -6,8 +6,12 @@
 // "coarse in z" stands where slices at least kCoarseStep_mm apart are interpolated across: every view that is
 // not parallel to them, and slabs. Slice numbers count from 1 here, as people do.
 #pragma once
+#include <span>
+
 #include "vernier/picture/Annotate.h"
+#include "vernier/plan/CameraPicture.h"
 #include "vernier/plan/CurvedGeometry.h"
+#include "vernier/volume/SurfaceFile.h"
 
 namespace vernier {
 
@@ -21,7 +25,11 @@ VERNIER_API Annotations describeSlice(const SliceLayer&, const SlicePicture&, co
 VERNIER_API Annotations describeCurved(const CurvedLayer&, const CurvedPicture&, const VolumeInfo&,
                                        const VoiWindow& window);
 VERNIER_API Annotations describeImage(const ImageLayer&, const ImagePicture&, const ImageFrameInfo&,
-                                      const VoiWindow& window);
+                                      const VoiWindow& window, const FramePresentation* = nullptr);
+// Surfaces alone, in 3-D. Letters only where a patient was opened too: a surface file by itself has no sides.
+// The scale stands on orthographic pictures only, since in perspective there is none.
+VERNIER_API Annotations describeSurfaces(const CameraPicture&, std::span<const SurfaceFile* const>,
+                                         bool withPatient);
 
 // "error <= 0.31 of 255 (99 %)", rounded up to two digits; amber when the bound is above the limit.
 VERNIER_API TextLine errorLine(double bound, int confidence_percent, std::optional<double> limit = {});

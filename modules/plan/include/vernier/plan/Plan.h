@@ -52,6 +52,7 @@ struct Plan {
   std::vector<Pass> passes;
   std::vector<Rejected> rejected;
   std::vector<std::string> notes;  // "layer 1 (shells) needs plugin angiography: not shown"
+  std::vector<std::string> afterwards;  // what is drawn over the picture when its error has been taken
   bool showsWholeScene = true;     // false when a layer is kept but cannot be shown
 };
 

@@ -10,6 +10,7 @@
 
 #include "vernier/base/Frames.h"
 #include "vernier/base/HalfSpace.h"
+#include "vernier/volume/Mesh.h"
 #include "vernier/volume/Sampling.h"
 #include "vernier/volume/Voi.h"
 
@@ -20,14 +21,17 @@ inline constexpr int kSceneSchema = 1;
 enum class Projection { Orthographic, Perspective };
 
 // For slices the layer's plane is the picture plane and only zoom, height_mm and pan count. For 3-D pictures
-// the camera is that of DESIGN 9: eye direction (sin a cos e, -cos a cos e, sin e), right (cos a, sin a, 0).
+// CameraPicture.h says what each number means.
 struct Camera {
   double azimuth_deg = 0, elevation_deg = 0, roll_deg = 0;
   Projection projection = Projection::Orthographic;
   double fov_deg = 30;
   double zoom = 1;
-  std::optional<double> height_mm;  // height of the picture at zoom 1; absent: fitted to the volume
-  glm::dvec2 pan_mm{0, 0};          // shifts the picture's centre right and up, in its own plane
+  std::optional<double> height_mm;     // height of the picture at zoom 1; absent: fitted to the volume
+  glm::dvec2 pan_mm{0, 0};             // shifts the picture's centre right and up, in its own plane
+  std::optional<PatientPoint> target;  // 3-D: what the eye looks at; absent: the middle of what is shown
+  std::optional<double> distance_mm;   // 3-D: from the target to the eye; absent: the whole box is seen
+  double near_mm = 0;                  // 3-D: what is nearer to the eye, along its axis, is not seen
   friend bool operator==(const Camera&, const Camera&) = default;
 };
 
@@ -48,6 +52,11 @@ struct Slab {
   friend bool operator==(const Slab&, const Slab&) = default;
 };
 
+struct Rgb {
+  double r = 0, g = 0, b = 0;
+  friend bool operator==(const Rgb&, const Rgb&) = default;
+};
+
 // One stored frame, unresampled. `source` names an entry of Sources.
 struct ImageLayer {
   std::string source;
@@ -57,6 +66,7 @@ struct ImageLayer {
   Interpolation interpolation = Interpolation::Linear;  // of the display zoom: nearest or linear
   bool invert = false;
   bool flipHorizontal = false, flipVertical = false;  // said as FLIPPED on the picture
+  std::string presentation;  // SOP Instance UID of a presentation state to be applied; "": none
   friend bool operator==(const ImageLayer&, const ImageLayer&) = default;
 };
 
@@ -88,6 +98,16 @@ struct CurvedLayer {
   friend bool operator==(const CurvedLayer&, const CurvedLayer&) = default;
 };
 
+// A triangle surface (volume/SurfaceFile.h) in its pose. Alone or with other surfaces: a 3-D picture; over a
+// slice: its outline. Opacity 1 ends what a ray sees, below 1 it covers what is behind by that share.
+struct SurfaceLayer {
+  std::string source;    // names an entry of Sources::meshes
+  PatientFromMesh pose;  // affine
+  Rgb colour{0.85, 0.85, 0.8};
+  double opacity = 1;
+  friend bool operator==(const SurfaceLayer&, const SurfaceLayer&) = default;
+};
+
 // A layer of a kind that this build does not know itself, or of a plugin: kept verbatim.
 struct CustomLayer {
   std::string kind;
@@ -96,13 +116,11 @@ struct CustomLayer {
   friend bool operator==(const CustomLayer&, const CustomLayer&) = default;
 };
 
-using Layer = std::variant<ImageLayer, SliceLayer, CurvedLayer, CustomLayer>;
-VERNIER_API std::string kindOf(const Layer&);  // "image", "slice", "curved", or the custom kind
+using Layer = std::variant<ImageLayer, SliceLayer, CurvedLayer, SurfaceLayer, CustomLayer>;
+VERNIER_API std::string kindOf(const Layer&);  // "image", "slice", "curved", "surface", or the custom kind
 
-struct Rgb {
-  double r = 0, g = 0, b = 0;
-  friend bool operator==(const Rgb&, const Rgb&) = default;
-};
+// SceneInvalid when a pose is not finite or flattens the surface (determinant 0).
+VERNIER_API Result<void> checkPose(const PatientFromMesh&);
 
 struct Scene {
   Camera camera;

@@ -15,6 +15,7 @@
 #include "vernier/plan/Plan.h"
 #include "vernier/plan/Scene.h"
 #include "vernier/volume/ImageFrame.h"
+#include "vernier/volume/Mesh.h"
 #include "vernier/volume/Volume.h"
 
 namespace vernier::gpu {
@@ -27,6 +28,8 @@ namespace vernier {
 struct Sources {
   std::map<std::string, std::shared_ptr<const Volume>> volumes;
   std::map<std::pair<std::string, std::int64_t>, std::shared_ptr<const ImageFrame>> images;
+  std::map<std::string, std::shared_ptr<const PresentationState>> presentations;  // by SOP Instance UID
+  std::map<std::string, std::shared_ptr<const Mesh>> meshes;
 };
 
 // Costs measured on this machine, by technique; without an entry a technique uses its built-in figure.

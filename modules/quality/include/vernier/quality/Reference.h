@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The truth that pictures are measured against: pixels of a scene in double precision, each on its own, at
-// the pixel's centre. Slices and images, and layers of plugins that bring their own truth; a scene with any
-// other layer is refused (NotBuiltYet).
+// the pixel's centre. Slices and images; surfaces by themselves (beside a slice they are outlines, which no error is
+// taken of); layers of plugins that bring their own truth. A scene with any other layer is refused (NotBuiltYet).
 //
 // Shares with the engines only the scene, voxel access and the default window: camera and plane geometry,
 // interpolation (GridGeometry.h: true slice positions, gaps, border held for half a voxel, no-data
@@ -11,6 +11,8 @@
 // piece a trilinear field is a cubic (next to no-data a ratio of two cubics): its maximum and minimum come
 // from the roots of the derivative, its mean from exact integration over the valid length. So nothing can be
 // stepped over.
+//
+// Surfaces: every triangle that the pixel's ray meets, in double, in order along the ray.
 //
 // Thread-safe; spreads the pixels with parallelFor. Errors: SceneInvalid (a source is missing, a pixel lies
 // outside the picture), PlaneDegenerate, NotBuiltYet, Cancelled.

@@ -13,6 +13,8 @@ namespace vernier {
 // sign-extended; photometric as stored (no colour conversion but what the codec itself defines).
 // Errors: PixelDataMissing, PixelDataShort, CodecUnsupported, CodecFailed, CodecMismatch, LimitExceeded.
 // `out` holds zeros where an error stopped the work. Thread-safe; no globals, no paths.
-VERNIER_API Result<void> decode(std::span<const std::byte> file, const FrameSpec& spec, std::span<std::byte> out);
+// `colours`, when given, takes what the samples of the frames are (of the last one, should they differ).
+VERNIER_API Result<void> decode(std::span<const std::byte> file, const FrameSpec& spec, std::span<std::byte> out,
+                                ColourSpace* colours = nullptr);
 
 }  // namespace vernier

@@ -15,6 +15,11 @@ namespace vernier {
 enum class SampleType { U8, I8, U16, I16, U32, I32, F32, F64 };
 VERNIER_API std::uint64_t bytesOf(SampleType);
 
+// What the numbers of a decoded pixel are: a grey value, an index into a palette, or three samples of a colour
+// (PS3.3 C.7.6.3.1.2). YbrPartial has Y in 16..235 and chroma in 16..240 of 8 bits, YbrFull uses all of them.
+enum class ColourSpace { Grey, Palette, Rgb, YbrFull, YbrPartial };
+inline bool isColour(ColourSpace s) { return s != ColourSpace::Grey; }
+
 struct FrameSpec {
   std::string transferSyntaxUid;
   std::uint64_t rows = 0, columns = 0;
@@ -42,6 +47,10 @@ struct FrameSpec {
   // Whether a file of this many bytes can hold all frames declared: exact for native syntaxes, the codec's densest
   // packing for RLE and deflated, a least size per frame for the others. To be asked before memory is set aside.
   VERNIER_API Result<void> checkFileCanHold(std::uint64_t fileBytes) const;
+
+  // The colours that the photometric interpretation promises once the codec has done its part (JPEG 2000 undoes
+  // YBR_ICT and YBR_RCT itself). What a frame really holds, decodeSlice() says: a JPEG knows it better.
+  VERNIER_API ColourSpace colourSpace() const;
 
   bool isFloat() const { return sample == SampleType::F32 || sample == SampleType::F64; }
 };

@@ -37,6 +37,11 @@ inline constexpr std::uint64_t kMaxArchiveBytes = std::uint64_t{32} << 30;
 inline constexpr std::uint64_t kMaxArchiveRatio = 200;
 inline constexpr std::uint64_t kArchiveEntryAlwaysBytes = std::uint64_t{64} << 20;
 inline constexpr std::uint64_t kArchiveAlwaysBytes = std::uint64_t{256} << 20;
+// Surfaces: a whole file is read at once; 20 million triangles are 1 GB as binary STL.
+inline constexpr std::uint64_t kMaxSurfaceFileBytes = std::uint64_t{4} << 30;
+inline constexpr std::uint64_t kMaxTriangles = 20'000'000;
+inline constexpr std::uint64_t kMaxConcaveCorners = 512;  // of one polygon that is not convex
+inline constexpr int kMaxNodeDepth = 64;                  // Inventor and VRML
 
 // All of the above, as `vernier doctor` prints them.
 struct Limit {
@@ -68,5 +73,9 @@ inline constexpr Limit kAll[] = {
     {"archive_ratio", kMaxArchiveRatio, ""},
     {"archive_entry_always", kArchiveEntryAlwaysBytes, "bytes"},
     {"archive_always", kArchiveAlwaysBytes, "bytes"},
+    {"surface_file", kMaxSurfaceFileBytes, "bytes"},
+    {"triangles", kMaxTriangles, ""},
+    {"concave_corners", kMaxConcaveCorners, ""},
+    {"node_depth", static_cast<std::uint64_t>(kMaxNodeDepth), ""},
 };
 }  // namespace vernier::limits

@@ -21,7 +21,10 @@ VERNIER_API Result<StudySet> scanStudy(const std::vector<std::string>& paths, co
 
 // Decodes one frame (stored values, layout as Decode.h) into `out`. Opens the file with read(), never mmap. The empty
 // frames of a segmentation (SliceRef::kEmptyFrame) are zeros.
-VERNIER_API Result<void> decodeSlice(const StudySet&, SliceRef, std::span<std::byte> out);
+// `colours`, when given, takes what the samples are: a JPEG image that says how it was coded overrules the
+// photometric interpretation, so that no colour is converted twice or not at all.
+VERNIER_API Result<void> decodeSlice(const StudySet&, SliceRef, std::span<std::byte> out,
+                                     ColourSpace* colours = nullptr);
 
 // The same for many frames one after the other: the file stays open and its pixel data indexed, so that each frame
 // costs its own bytes only. Frames of a deflated object are cheapest in ascending order. One thread at a time; the set
@@ -30,7 +33,7 @@ class VERNIER_API FrameReader {
  public:
   explicit FrameReader(const StudySet&);
   ~FrameReader();
-  Result<void> read(SliceRef, std::span<std::byte> out);
+  Result<void> read(SliceRef, std::span<std::byte> out, ColourSpace* colours = nullptr);
 
  private:
   struct Impl;

@@ -13,30 +13,13 @@
 #include "vernier/base/Result.h"
 #include "vernier/study/Findings.h"
 #include "vernier/study/FrameSpec.h"
+#include "vernier/study/Palette.h"
+#include "vernier/study/Presentation.h"
+#include "vernier/study/Values.h"
 
 namespace vernier {
 
 class Archive;
-
-struct ModalityRescale {
-  double slope = 1, intercept = 0;
-  friend bool operator==(const ModalityRescale&, const ModalityRescale&) = default;
-};
-
-enum class VoiFunction { Linear, LinearExact, Sigmoid };
-struct VoiWindow {
-  double center = 0, width = 0;  // modality values
-  VoiFunction function = VoiFunction::Linear;
-  std::string explanation;
-  friend bool operator==(const VoiWindow&, const VoiWindow&) = default;
-};
-// LUT Descriptor and data of a VOI or modality LUT (PS3.3 C.11.1, C.11.2).
-struct LutTable {
-  double firstMapped = 0;
-  std::uint32_t bits = 0;
-  std::vector<std::uint16_t> data;
-  std::string explanation;
-};
 
 // Position of one frame (Image Plane module or functional groups).
 struct FramePlane {
@@ -119,6 +102,7 @@ struct Instance : FrameAttributes {
   std::vector<LutTable> voiLuts;
   bool lossy = false;
   std::string photometric;
+  std::shared_ptr<const Palette> palette;  // of PALETTE COLOR images whose pixels can be shown
   std::string presentationLutShape;
   std::string patientOrientation;    // row\column letters, when there is no plane
   // One entry per frame where frames differ or may differ (functional groups, dose and slice vectors); null: all
@@ -197,6 +181,7 @@ struct StudySet {
   std::vector<Series> series;
   std::vector<Study> studies;
   std::vector<Patient> patients;
+  std::vector<PresentationState> presentations;  // in file order
   std::vector<Finding> findings;  // those of no single series
 };
 

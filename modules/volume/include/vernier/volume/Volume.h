@@ -2,7 +2,12 @@
 // Volume: immutable voxels with their place in the patient and their meaning. Stored values in a Buffer;
 // modality value = slope * stored + intercept (per slice when slices differ). Thread-safe: nothing changes
 // after make().
+//
+// A colour volume has 3 (red, green, blue) or 4 (and alpha, not premultiplied) samples of 8 bits for each voxel. It
+// holds one grey volume per channel on the same grid, so that whatever samples grey volumes samples colours, channel
+// by channel; it has no voxels, windows, padding or modality values of its own.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -55,6 +60,7 @@ struct NoDataRange {
 struct VolumeInfo {
   GridGeometry grid;
   VoxelType type = VoxelType::I16;
+  int channels = 1;  // 3 or 4 in colour volumes; set by makeColour()
   // One entry when equal for all slices, else one per slice.
   std::vector<ModalityRescale> rescale{ModalityRescale{}};
   std::optional<NoDataRange> noData;  // in stored values
@@ -99,13 +105,28 @@ class VERNIER_API Volume {
   static Result<std::shared_ptr<const Volume>> make(VolumeInfo info, Buffer voxels);
   static Result<std::shared_ptr<const Volume>> make(VolumeInfo info, Buffer voxels, OriginalVoxels original);
 
+  // Colour: `interleaved` holds `samples` (3 or 4) bytes for each voxel, in the order of a grey volume's voxels.
+  static Result<std::shared_ptr<const Volume>> makeColour(VolumeInfo info, int samples,
+                                                          std::span<const std::byte> interleaved);
+  // The same from 3 or 4 planes of bytes, which are taken over without a copy.
+  static Result<std::shared_ptr<const Volume>> makeColour(VolumeInfo info, std::vector<Buffer> planes);
+
+  bool isColour() const { return !channels_.empty(); }
+  // Red, green, blue and, where there is one, alpha: a grey volume of stored values 0..255.
+  const Volume& channel(int c) const { return *channels_[static_cast<std::size_t>(c)]; }
+  // Stored values of a colour volume; alpha 255 where it has none.
+  std::array<std::uint8_t, 4> rgba(std::int64_t i, std::int64_t j, std::int64_t k) const;
+
   const VolumeInfo& info() const { return info_; }
   const GridGeometry& grid() const { return info_.grid; }
   Revision revision() const { return revision_; }
   VoxelType type() const { return info_.type; }
-  // Voxel (i, j, k) at index i + columns * (j + rows * k).
-  const std::byte* data() const { return voxels_.data(); }
-  std::size_t bytes() const { return voxels_.size(); }
+  // Voxel (i, j, k) at index i + columns * (j + rows * k). Of grey volumes only, as all that speaks of one value.
+  const std::byte* data() const {
+    VERNIER_ASSERT(!isColour());
+    return voxels_.data();
+  }
+  std::size_t bytes() const;  // of all channels
   // stored(), modality() and isNoData() speak of data(), which the engines draw; probe() of the original
   // stored values, exact in double. They differ only in volumes with hasOriginal(), by the rounding to float.
   bool hasOriginal() const { return original_.has_value(); }
@@ -141,6 +162,7 @@ class VERNIER_API Volume {
   VolumeInfo info_;
   Buffer voxels_;
   std::optional<OriginalVoxels> original_;
+  std::vector<std::shared_ptr<const Volume>> channels_;
   VoxelFromPatient voxelFromPatient_;
   Revision revision_ = 0;
   std::optional<Range> range_;

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The border to VTK, which lies in a library of its own (vernier_vtk.so) that is loaded when the first VTP
+// file is read: Debian's VTK brings OpenGL and X11 along, and most pictures need neither. Plain numbers
+// cross, so that no VTK header is seen outside of that library.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "vernier/base/Result.h"
+
+namespace vernier::surface {
+
+struct VtkPolyData {
+  std::string error;                   // what VTK said, without file names; "" when it read the file
+  std::vector<double> xyz;             // 3 per point
+  std::vector<std::uint32_t> corners;  // of all polygons and strips, one after the other
+  std::vector<std::uint64_t> polygonEnds, stripEnds;  // offsets into corners; the polygons come first
+};
+
+// XML PolyData, from memory. FormatUnknown where VTK's libraries are not installed. May throw std::bad_alloc.
+Result<VtkPolyData> readVtpBytes(std::string_view bytes);
+
+extern "C" using VtkReadFn = void(const char* bytes, std::size_t count, VtkPolyData* out);
+inline constexpr const char* kVtkLibrary = "vernier_vtk.so";
+inline constexpr const char* kVtkReadName = "vernier_vtk_read_vtp";
+
+}  // namespace vernier::surface
