@@ -124,7 +124,6 @@ TEST_F(Cli, OptionsThatNeedAStudyAreCheckedToo) {
       {"--view", "curved", "--path", "0,0,0;5,0,0", "--slice", "3"},
       {"--view", "curved", "--path", "0,0,0;5,0,0", "--plane", "point=0,0,0,normal=0,0,1,up=0,1,0"},
       {"--view", "curved", "--path", "0,0,0;5,0,0", "--form", "bent"},
-      {"--view", "curved", "--path", "0,0,0;5,0,0", "--technique", "mpr.native"},
   };
   for (const auto& extra : wrong) {
     std::vector<std::string> args{"render", study, "--out", path("o.png")};

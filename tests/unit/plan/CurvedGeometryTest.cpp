@@ -131,7 +131,7 @@ TEST(CurvedPath, StretchedSheetKeepsLengths) {
     const CurvedColumn& c = p->columns[x];
     const double a = (static_cast<double>(x) + 0.5) * p->mmPerPixel / 25;
     EXPECT_LT(glm::length(c.centre.p - glm::dvec3(25 * std::cos(a), 25 * std::sin(a), 0)), 1e-4);
-    EXPECT_EQ(upOf(c), glm::dvec3(0, 0, 1));
+    EXPECT_LT(glm::length(upOf(c) - glm::dvec3(0, 0, 1)), 1e-12);
   }
   // The path lies on the sheet: its points are found at their angle and height.
   const auto at = patientAt(*p, {250.5, p->centreRow_px});
@@ -290,7 +290,7 @@ TEST(CurvedPathDegenerate, CrossingItselfIsSaid) {
   const auto eight = [](double lift_mm) {
     std::vector<PatientPoint> path;
     for (int i = 0; i <= 64; ++i) {
-      const double a = 0.2 + (2 * kPi - 0.4) * i / 64;
+      const double a = -0.6 + (2 * kPi - 0.8) * i / 64;  // through the middle at 0 and at pi
       path.emplace_back(40 * std::sin(a), 40 * std::sin(a) * std::cos(a), lift_mm * i / 64.0);
     }
     return layerThrough(path);
@@ -304,7 +304,7 @@ TEST(CurvedPathDegenerate, CrossingItselfIsSaid) {
 TEST(CurvedPathDegenerate, TenThousandPointsAreAPathToo) {
   const auto p = pictureOf(layerThrough(helix(60, 3, 5, 10000)));
   ASSERT_TRUE(p.ok());
-  EXPECT_NEAR(p->length_mm, 10 * kPi * std::hypot(60, 3), 1e-6);
+  EXPECT_NEAR(p->length_mm, 10 * kPi * std::hypot(60, 3), 1e-4);
 }
 
 }  // namespace
