@@ -123,7 +123,7 @@ TEST(CurvedPath, StretchedSheetKeepsLengths) {
   CurvedLayer layer = layerThrough(path);
   layer.form = CurvedForm::Stretched;
   layer.up = PatientVec(0, 0, 3);
-  const auto p = pictureOf(layer, {500, 100});
+  const auto p = pictureOf(layer, {500, 400});
   ASSERT_TRUE(p.ok());
   EXPECT_NEAR(p->length_mm, 25 * kPi, 1e-4);
   EXPECT_NEAR(p->across_mm, 20 + 12, 1e-4);  // the width beyond the path on both sides
