@@ -259,8 +259,10 @@ TEST(InfoText, SaysGeometryFindingsAndWhatFailed) {
   auto set = scanStudy({(dataDir() / "geometry_faults").string()});
   ASSERT_TRUE(set);
   set->patients[0].name = "Evil\x1b[2J^Name";  // a terminal must not obey it
-  set->files.push_back({"", "broken.dcm", 3, FileKind::Unreadable,
-                        makeError(ErrorCode::FileDamaged, "It is broken.", "broken.dcm")});
+  FileRecord broken;
+  broken.shown = "broken.dcm", broken.bytes = 3, broken.kind = FileKind::Unreadable;
+  broken.error = makeError(ErrorCode::FileDamaged, "It is broken.", "broken.dcm");
+  set->files.push_back(std::move(broken));
   const std::string text = infoText(*set);
   for (const char* part :
        {"tilt 14 degrees", "1 gap", "WARNING gap: 1 slice is missing between 28.1 and 38.1 mm",

@@ -58,7 +58,7 @@ TEST(SurfaceExpected, PedicleScrew) {
   EXPECT_EQ(got.at("unit"), "mm (assumed)");
   EXPECT_EQ(got.at("findings")[0].at("code"), "unit-assumed");
 
-  const std::string text = infoText(*study, options.surfaces);
+  const std::string text = infoText(*study, {}, options.surfaces);
   EXPECT_NE(text.find("Surface D4.5L30.stl  binary STL, 37916 triangles, 8.5 x 38 x 8.5 mm"),
             std::string::npos)
       << text;

@@ -21,6 +21,13 @@ std::string smallStudy(const vernier::test::TempDir& dir) {
 // The middle of the picture in a window of 1280 x 800 with the list of studies.
 constexpr double kX = 780, kY = 420;
 
+// The window without its row of buttons: after an undo, Redo is bright.
+std::vector<std::uint8_t> belowTools(const Picture& p) {
+  constexpr int kTools_px = 45;
+  const std::size_t row = p.pixels.size() / static_cast<std::size_t>(p.height);
+  return {p.pixels.begin() + static_cast<std::ptrdiff_t>(kTools_px * row), p.pixels.end()};
+}
+
 TEST(Window, OpensScrollsWindowsAndUndoes) {
   vernier::test::TempDir dir;
   WindowDriver w;
@@ -49,7 +56,7 @@ TEST(Window, OpensScrollsWindowsAndUndoes) {
   w.key(GLFW_KEY_Z, true);
   EXPECT_EQ(imageOf(tile.scene)->index, middle);
   w.move(1, 1);
-  EXPECT_EQ(w.screenshot(), opened);
+  EXPECT_TRUE(belowTools(w.screenshot()) == belowTools(opened));
   w.key(GLFW_KEY_Y, true);
   EXPECT_EQ(imageOf(tile.scene)->index, middle - 2);
 }
@@ -78,7 +85,7 @@ TEST(Window, MprCrosshairAndMaximise) {
   }
   w.doubleClick(500, 250);
   EXPECT_EQ(w.workspace().shown(), std::vector<int>{0});
-  w.doubleClick(500, 250);
+  w.doubleClick(540, 280);
   EXPECT_EQ(w.workspace().shown().size(), 4u);
 }
 
