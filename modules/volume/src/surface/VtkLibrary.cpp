@@ -85,7 +85,7 @@ bool receive(int fd, List& list) {
   return true;
 }
 
-[[noreturn]] void readInChild(VtkReadFn* read, std::string_view bytes, int fd) {
+[[noreturn]] void readInChild(VtkReadFn* readVtp, std::string_view bytes, int fd) {
   const rlimit seconds{kMostSeconds, kMostSeconds}, noCore{0, 0};
   ::setrlimit(RLIMIT_CPU, &seconds);
   ::setrlimit(RLIMIT_CORE, &noCore);
@@ -93,7 +93,7 @@ bool receive(int fd, List& list) {
   int result = 1;
   try {
     VtkPolyData out;
-    read(bytes.data(), bytes.size(), &out);
+    readVtp(bytes.data(), bytes.size(), &out);
     if (send(fd, out.error) && send(fd, out.xyz) && send(fd, out.corners) && send(fd, out.polygonEnds) &&
         send(fd, out.stripEnds))
       result = 0;
@@ -106,8 +106,8 @@ bool receive(int fd, List& list) {
 }  // namespace
 
 Result<VtkPolyData> readVtpBytes(std::string_view bytes) {
-  VtkReadFn* const read = reader();
-  if (!read)
+  VtkReadFn* const readVtp = reader();
+  if (!readVtp)
     return makeError(
         ErrorCode::FormatUnknown,
         "Reading VTP needs VTK's libraries, which are not here; install Debian's libvtk9.1, or save "
@@ -116,7 +116,7 @@ Result<VtkPolyData> readVtpBytes(std::string_view bytes) {
   if (::pipe2(ends, O_CLOEXEC) != 0)
     return makeError(ErrorCode::OutOfMemory, "There is no pipe left to read the file through.");
   const pid_t child = ::fork();
-  if (child == 0) readInChild(read, bytes, ends[1]);
+  if (child == 0) readInChild(readVtp, bytes, ends[1]);
   ::close(ends[1]);
   VtkPolyData out;
   const bool whole = child > 0 && receive(ends[0], out.error) && receive(ends[0], out.xyz) &&
