@@ -126,10 +126,10 @@ Result<std::map<std::size_t, PixelTruth>> Session::Impl::truthsOf(const Scene& s
   for (std::size_t n = 0; n < shown.layers.size(); ++n) {
     if (!std::holds_alternative<CustomLayer>(shown.layers[n])) continue;
     const std::string kind = kindOf(shown.layers[n]);
-    const auto drawing = plugins.techniques().drawing(kind);
+    const auto candidates = plugins.techniques().drawing(kind);
     const auto withTruth =
-        std::find_if(drawing.begin(), drawing.end(), [](const Technique* t) { return t->truth != nullptr; });
-    if (withTruth == drawing.end())
+        std::find_if(candidates.begin(), candidates.end(), [](const Technique* t) { return t->truth != nullptr; });
+    if (withTruth == candidates.end())
       return makeError(ErrorCode::NotBuiltYet,
                        "error not measured: the plugin of layer " + std::to_string(n) + " (" + kind +
                            ") brings no truth to measure against");

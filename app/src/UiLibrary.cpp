@@ -13,7 +13,11 @@ namespace {
 
 Error unavailable(const std::string& sentence) { return makeError(ErrorCode::WindowUnavailable, sentence, "window"); }
 
-Result<UiRunFn> openLibrary() {
+struct Library {
+  UiRunFn run = nullptr;
+};
+
+Result<Library> openLibrary() {
   const std::filesystem::path path =
       std::filesystem::path(PluginHost::installFolder()).parent_path() / "libvernier_ui.so";
   std::error_code ec;
@@ -31,7 +35,7 @@ Result<UiRunFn> openLibrary() {
   const auto run = reinterpret_cast<UiRunFn>(dlsym(handle, "vernierUiRun"));
   if (!abi || !run || std::strcmp(abi(), VERNIER_ABI_ID) != 0)
     return unavailable("libvernier_ui.so is of another build than this program; install both from one package.");
-  return run;
+  return Library{run};
 }
 
 Result<void> resultOf(const UiAnswer& answer) {
@@ -42,16 +46,16 @@ Result<void> resultOf(const UiAnswer& answer) {
 }  // namespace
 
 Result<void> checkUiLibrary() {
-  const Result<UiRunFn> run = openLibrary();
-  if (!run) return run.error();
+  const Result<Library> library = openLibrary();
+  if (!library) return library.error();
   return {};
 }
 
 Result<void> runWindow(const UiStart& start) {
-  const Result<UiRunFn> run = openLibrary();
-  if (!run) return run.error();
+  const Result<Library> library = openLibrary();
+  if (!library) return library.error();
   UiAnswer answer;
-  (*run)(&start, &answer);
+  library->run(&start, &answer);
   return resultOf(answer);
 }
 

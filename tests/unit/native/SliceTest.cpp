@@ -69,7 +69,8 @@ TYPED_TEST(SliceOfType, RandomPlanesAreWithinTheBoundOnEveryGrid) {
   for (const NamedGrid& g : grids) {
     const auto volume = randomVolume<TypeParam>(g.grid, ++seed);
     for (const Interpolation i : {Interpolation::Linear, Interpolation::Cubic, Interpolation::Nearest}) {
-      native::SliceJob job = randomJob(*volume, ++seed, 67, 45);
+      if (i != Interpolation::Cubic) ++seed;  // cubic: the plane of linear again
+      native::SliceJob job = randomJob(*volume, seed, 67, 45);
       job.interpolation = i;
       expectWithinBound(job, g.name);
       job.picture.right = 0.2 * job.picture.right;  // magnified: less than a voxel per pixel

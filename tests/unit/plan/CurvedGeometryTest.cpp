@@ -123,16 +123,20 @@ TEST(CurvedPath, StretchedSheetKeepsLengths) {
   CurvedLayer layer = layerThrough(path);
   layer.form = CurvedForm::Stretched;
   layer.up = PatientVec(0, 0, 3);
-  const auto p = pictureOf(layer, {500, 100});
+  const auto p = pictureOf(layer, {500, 400});
   ASSERT_TRUE(p.ok());
   EXPECT_NEAR(p->length_mm, 25 * kPi, 1e-4);
   EXPECT_NEAR(p->across_mm, 20 + 12, 1e-4);  // the width beyond the path on both sides
+  int shown = 0;
   for (std::size_t x = 0; x < 500; ++x) {
     const CurvedColumn& c = p->columns[x];
-    const double a = (static_cast<double>(x) + 0.5) * p->mmPerPixel / 25;
+    if (!c.shown) continue;  // the picture is wider than the sheet
+    ++shown;
+    const double a = (static_cast<double>(x) + 0.5 - p->startColumn_px) * p->mmPerPixel / 25;
     EXPECT_LT(glm::length(c.centre.p - glm::dvec3(25 * std::cos(a), 25 * std::sin(a), 0)), 1e-4);
     EXPECT_LT(glm::length(upOf(c) - glm::dvec3(0, 0, 1)), 1e-12);
   }
+  EXPECT_NEAR(shown * p->mmPerPixel, p->length_mm, p->mmPerPixel);
   // The path lies on the sheet: its points are found at their angle and height.
   const auto at = patientAt(*p, {250.5, p->centreRow_px});
   ASSERT_TRUE(at);

@@ -87,7 +87,7 @@ TEST(SurfaceTechnique, EveryPixelIsThatOfTheReference) {
       const auto error = quality::measureError(*frame, c.scene, c.view, c.sources, options);
       ASSERT_TRUE(error.ok());
       EXPECT_TRUE(error->exhaustive);
-      EXPECT_GT(error->population, 3000u);
+      EXPECT_GT(error->population, 2000u);  // not an empty picture
       // A ray that grazes an edge within rounding may fall to either side: none in these pictures.
       EXPECT_LT(error->max, 1e-4) << quality::errorSentence(*error);
     }
@@ -143,7 +143,7 @@ TEST(SurfaceTechnique, WhatCannotBeDrawnIsSaidWithItsPlace) {
   EXPECT_EQ(whereOf([&](Case& c) { c.scene.camera.fov_deg = 0; }), "/camera/fov_deg");
   Case mixed;
   addThree(mixed);
-  mixed.scene.layers.insert(mixed.scene.layers.begin(), SliceLayer{});
+  mixed.scene.layers.insert(mixed.scene.layers.begin(), ImageLayer{});
   EXPECT_EQ(mixed.plan().error().code, ErrorCode::NotBuiltYet);
 }
 

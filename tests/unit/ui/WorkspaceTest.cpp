@@ -18,7 +18,6 @@ Workspace withStack() {
   return w;
 }
 
-PatientPoint planePoint(const Workspace& w, int t) { return sliceOf(w.tile(t).scene)->plane.point; }
 double offPlane(const Workspace& w, int t, PatientPoint p) {
   const Plane& plane = sliceOf(w.tile(t).scene)->plane;
   return std::abs(dot(p - plane.point, normalize(plane.normal)));

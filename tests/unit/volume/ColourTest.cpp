@@ -111,7 +111,7 @@ TEST(ColourFrame, StoredSamplesAreExactAndColoursFollow) {
   EXPECT_DOUBLE_EQ(deep->rgb(0, 0).z, 300 / 65535.0);
   const auto ybr = frameOf(colourSlice("YBR_FULL", {76, 85, 255, 0, 128, 128, 255, 128, 128, 128, 128, 128}));
   ASSERT_TRUE(ybr);
-  EXPECT_NEAR(ybr->rgb(0, 0).x, 1, 0.003);
+  EXPECT_NEAR(ybr->rgb(0, 0).x, (76 + 1.402 * 127) / 255, 1e-9);
   EXPECT_NEAR(ybr->rgb(0, 0).y, 0, 0.003);
   EXPECT_EQ(ybr->stored(0, 0, 0), 76);
 }

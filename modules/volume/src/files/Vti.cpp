@@ -148,7 +148,7 @@ class Image {
     const auto it = a.find(name);
     const auto list = it == a.end() ? std::nullopt : numbersIn<T>(it->second);
     if (!list || list->size() != N) return std::nullopt;
-    std::array<T, N> out;
+    std::array<T, N> out{};
     std::copy(list->begin(), list->end(), out.begin());
     return out;
   }

@@ -5,9 +5,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <filesystem>
 
 #include "VtkPolyData.h"
@@ -36,101 +36,82 @@ VtkReadFn* reader() {
   return found;
 }
 
-// VTK 9.1 trusts the sizes of a damaged file and may end the program (its compressed blocks). So it reads in
-// a process of its own, and whatever happens there is an error here. What it read comes back through a pipe:
-// each list as its length and its numbers.
-constexpr rlim_t kMostSeconds = 60;
+constexpr rlim_t kCpuLimit_s = 60;
 
-bool writeAll(int fd, const void* from, std::size_t bytes) {
-  const char* at = static_cast<const char*>(from);
-  while (bytes > 0) {
-    const ssize_t n = ::write(fd, at, bytes);
+template <class T>
+bool send(int fd, const T* data, std::size_t count) {
+  const char* at = reinterpret_cast<const char*>(data);
+  for (std::size_t left = count * sizeof(T); left > 0;) {
+    const ssize_t n = ::write(fd, at, left);
+    if (n <= 0) return false;
+    at += n, left -= static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+template <class T>
+bool receive(int fd, T* data, std::size_t count) {
+  char* at = reinterpret_cast<char*>(data);
+  for (std::size_t left = count * sizeof(T); left > 0;) {
+    const ssize_t n = ::read(fd, at, left);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) return false;
-    at += n;
-    bytes -= static_cast<std::size_t>(n);
+    at += n, left -= static_cast<std::size_t>(n);
   }
   return true;
 }
 
-bool readAll(int fd, void* to, std::size_t bytes) {
-  char* at = static_cast<char*>(to);
-  while (bytes > 0) {
-    const ssize_t n = ::read(fd, at, bytes);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    at += n;
-    bytes -= static_cast<std::size_t>(n);
-  }
-  return true;
+// What crosses the pipe, in both directions alike: counts, then the arrays.
+template <class Move, class Data>
+bool exchange(Move&& move, Data& d) {
+  std::uint64_t counts[5] = {d.error.size(), d.xyz.size(), d.corners.size(), d.polygonEnds.size(), d.stripEnds.size()};
+  if (!move(counts, 5)) return false;
+  d.error.resize(counts[0]), d.xyz.resize(counts[1]), d.corners.resize(counts[2]);
+  d.polygonEnds.resize(counts[3]), d.stripEnds.resize(counts[4]);
+  return move(d.error.data(), d.error.size()) && move(d.xyz.data(), d.xyz.size()) &&
+         move(d.corners.data(), d.corners.size()) && move(d.polygonEnds.data(), d.polygonEnds.size()) &&
+         move(d.stripEnds.data(), d.stripEnds.size());
 }
 
-template <class List>
-bool send(int fd, const List& list) {
-  const std::uint64_t n = list.size();
-  return writeAll(fd, &n, sizeof n) && writeAll(fd, list.data(), n * sizeof(typename List::value_type));
-}
-
-// Grows as the numbers come: the length alone sets nothing aside.
-template <class List>
-bool receive(int fd, List& list) {
-  constexpr std::uint64_t piece = 1 << 16;
-  std::uint64_t n = 0;
-  if (!readAll(fd, &n, sizeof n)) return false;
-  while (list.size() < n) {
-    const std::size_t at = list.size(), more = static_cast<std::size_t>(std::min(piece, n - at));
-    list.resize(at + more);
-    if (!readAll(fd, list.data() + at, more * sizeof(typename List::value_type))) return false;
-  }
-  return true;
-}
-
-[[noreturn]] void readInChild(VtkReadFn* readVtp, std::string_view bytes, int fd) {
-  const rlimit seconds{kMostSeconds, kMostSeconds}, noCore{0, 0};
-  ::setrlimit(RLIMIT_CPU, &seconds);
+[[noreturn]] void readInChild(VtkReadFn* read, std::string_view bytes, int fd) {
+  const rlimit cpu{kCpuLimit_s, kCpuLimit_s};
+  ::setrlimit(RLIMIT_CPU, &cpu);
+  const rlimit noCore{0, 0};
   ::setrlimit(RLIMIT_CORE, &noCore);
-  for (const int fatal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(fatal, SIG_DFL);
-  int result = 1;
-  try {
-    VtkPolyData out;
-    readVtp(bytes.data(), bytes.size(), &out);
-    if (send(fd, out.error) && send(fd, out.xyz) && send(fd, out.corners) && send(fd, out.polygonEnds) &&
-        send(fd, out.stripEnds))
-      result = 0;
-  } catch (...) {
-    result = 1;  // out of memory, most likely: the parent says that the file cannot be read
-  }
-  ::_exit(result);
+  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE}) ::signal(signal, SIG_DFL);
+  VtkPolyData out;
+  read(bytes.data(), bytes.size(), &out);
+  ::_exit(exchange([fd](const auto* data, std::size_t n) { return send(fd, data, n); }, out) ? 0 : 1);
 }
 
 }  // namespace
 
+// VTK 9.1's reader runs past its arrays on files that are damaged in the right places, so it works in a child process:
+// whatever happens there is a sentence here.
 Result<VtkPolyData> readVtpBytes(std::string_view bytes) {
-  VtkReadFn* const readVtp = reader();
-  if (!readVtp)
+  VtkReadFn* const read = reader();
+  if (!read)
     return makeError(
         ErrorCode::FormatUnknown,
         "Reading VTP needs VTK's libraries, which are not here; install Debian's libvtk9.1, or save "
         "the surface as PLY.");
-  int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0)
-    return makeError(ErrorCode::OutOfMemory, "There is no pipe left to read the file through.");
+  int pipe[2];
+  if (::pipe2(pipe, O_CLOEXEC) != 0)
+    return makeError(ErrorCode::OutOfMemory,
+                     "The system has no pipe left to read the file through; close other programs.");
   const pid_t child = ::fork();
-  if (child == 0) readInChild(readVtp, bytes, ends[1]);
-  ::close(ends[1]);
+  if (child == 0) readInChild(read, bytes, pipe[1]);
+  ::close(pipe[1]);
   VtkPolyData out;
-  const bool whole = child > 0 && receive(ends[0], out.error) && receive(ends[0], out.xyz) &&
-                     receive(ends[0], out.corners) && receive(ends[0], out.polygonEnds) &&
-                     receive(ends[0], out.stripEnds);
-  ::close(ends[0]);
-  if (child < 0) return makeError(ErrorCode::OutOfMemory, "There is no process left to read the file with.");
+  const int from = pipe[0];
+  const bool whole =
+      child > 0 && exchange([from](auto* data, std::size_t n) { return receive(from, data, n); }, out);
+  ::close(from);
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (!whole || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    out = {};
-    out.error = "the reader ended early";
-  }
+  if (child > 0)
+    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {}
+  if (!whole || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    return makeError(ErrorCode::FileDamaged, "VTK cannot read the file; it is cut short or damaged.");
   return out;
 }
 

@@ -47,8 +47,8 @@ struct CurvedPicture {
   std::vector<CurvedColumn> columns;  // one per column of pixels, at its centre
   std::vector<std::string> notes;     // what a reader must know: "overlaps itself: ..."
   // Pixel rows [first, end) whose centres lie on the sheet.
-  int firstRow(int height_px) const;
-  int endRow(int height_px) const;
+  VERNIER_API int firstRow(int height_px) const;
+  VERNIER_API int endRow(int height_px) const;
 };
 
 inline constexpr std::size_t kMostPathPoints = 65536;
