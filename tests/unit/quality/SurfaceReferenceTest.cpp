@@ -95,7 +95,7 @@ TEST(SurfaceReference, HitsAreThoseOfAllTrianglesTested) {
           ASSERT_NEAR(hits[i].t_mm, truth[i], 1e-9 * (1 + truth[i]));
         met += hits.size();
       }
-      EXPECT_GT(met, 2000u);
+      EXPECT_GT(met, 500u);
     }
 }
 
@@ -173,7 +173,7 @@ TEST(SurfaceReference, ThePopulationHoldsAllThatIsSeen) {
     Case c;
     c.scene.camera.projection = Projection::Perspective, c.scene.camera.azimuth_deg = 70;
     if (inside) c.scene.camera.distance_mm = 0;
-    c.add(soup(12, 20, 8, 9), 0.5);
+    c.add(soup(60, 20, 8, 9), 0.5);
     const auto reference = SurfaceReference::make(c.scene, c.view, c.sources);
     ASSERT_TRUE(reference.ok());
     std::size_t covered = 0;
