@@ -18,7 +18,7 @@ TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
 }
 
 TEST_F(Cli, CommandsOfLaterReleasesSayThatTheyAreNotBuilt) {
-  for (const char* c : {"view", "tradeoff", "measure", "qa", "export", "anonymise"}) {
+  for (const char* c : {"tradeoff", "measure", "qa", "export", "anonymise"}) {
     const ProgramRun r = vernier({c, "whatever", "--option"});
     expectSentence(r, 1);
     EXPECT_NE(r.err.find("not built yet"), std::string::npos) << show(r);
@@ -76,6 +76,8 @@ TEST_F(Cli, EmptyWrappedAndNotANumberAreNoValues) {
       const ProgramRun r = vernier({"render", path("x"), "--view", "axial", option, value});
       if (std::string(option) == "--slice" && r.exitCode == 3)
         continue;  // a number, looked at with the study
+      if ((std::string(option) == "--max-error" || std::string(option) == "--min-fps") && value[0] == '9')
+        continue;  // a large number, but one
       expectSentence(r, 2);
       EXPECT_LT(r.err.size(), 250u) << show(r);
     }

@@ -80,6 +80,14 @@ std::map<std::string, std::array<double, 3>> expectedMeans(const std::string& fo
   return out;
 }
 
+bool isRepeated(const std::string& folder, const std::string& file) {
+  const auto set = scanStudy({(dataDir() / folder).string()});
+  if (!set) return false;
+  for (const Instance& i : set->instances)
+    if (set->files[i.file].shown == file) return i.identity == Identity::Repeated;
+  return false;
+}
+
 class ColourPictures : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(ColourPictures, MeansAgreeWithDataExpected) {
@@ -96,7 +104,9 @@ TEST_P(ColourPictures, MeansAgreeWithDataExpected) {
           << s.file << " channel " << c;
     wanted.erase(want);
   }
-  for (const auto& [file, mean] : wanted) ADD_FAILURE() << file << " is not among the pictures";
+  // Of objects with one SOP Instance UID and equal values one stands for all.
+  for (const auto& [file, mean] : wanted)
+    EXPECT_TRUE(isRepeated(GetParam(), file)) << file << " is not among the pictures";
 }
 
 // A binary PPM; empty where the tool wrote none.
@@ -135,7 +145,7 @@ TEST_P(ColourPictures, PixelsAgreeWithDcmj2pnm) {
     EXPECT_LE(worst, 1) << s.file;
     ++compared;
   }
-  EXPECT_GE(compared, std::string(GetParam()) == "codec_small_singles" ? 25u : 5u);
+  EXPECT_GE(compared, std::string(GetParam()) == "codec_small_singles" ? 24u : 4u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Folders, ColourPictures,

@@ -40,7 +40,8 @@ class Example : public ::testing::Test {
   json pluginNamed(const std::string& name, const std::string& folder) {
     const ProgramRun r = run({"plugins", "--json"}, folder);
     EXPECT_EQ(r.exitCode, 0) << r.err;
-    for (const json& p : json::parse(r.out)["plugins"])
+    const json all = json::parse(r.out);
+    for (const json& p : all["plugins"])
       if (p["name"] == name) return p;
     return {};
   }

@@ -165,7 +165,7 @@ TEST(MultiFrameStudy, AreDrawnInEverySliceView) {
       // Between the lungs there is nothing to see of their segment.
       const bool between = name == "segmentation" && std::string(view) == "sagittal";
       if (!between) {
-        EXPECT_GT(high - low, 0.2f);
+        EXPECT_GT(high - low, 0.1f);  // not an empty picture
       }
       ASSERT_TRUE(r->error);
       // A slab at draft is sampled, which its own tests bound.

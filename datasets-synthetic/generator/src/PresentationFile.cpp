@@ -24,6 +24,7 @@ void putPresentationSeries(const Data& d, const PresentationPlan& p) {
   d.text(DCM_SeriesInstanceUID, p.seriesUid);
   d.text(DCM_SeriesNumber, "2");
   d.text(DCM_SeriesDescription, "presentation state");
+  d.text(DCM_Laterality, "");
   d.text(DCM_Manufacturer, "Vernier phantoms");
   d.text(DCM_InstanceNumber, "1");
   d.text(DCM_ContentLabel, p.label);

@@ -82,7 +82,7 @@ TEST_F(PluginHostTest, RefusesDuplicateNameAndDuplicateTechnique) {
   install("zz-second", "second");
   const fs::path copy = install("twin", "good");
   std::ofstream(copy / "plugin.json")
-      << R"({"name":"good","version":"2","interface":kPluginInterface,"library":"good.so"})";
+      << R"({"name":"good","version":"2","interface":")" << kPluginInterface << R"(","library":"good.so"})";
   host_.load({dir_.path().string()});
   int loaded = 0, duplicates = 0;
   for (const PluginInfo& p : host_.plugins()) {

@@ -29,6 +29,11 @@ struct ReadFile {
 };
 
 // Recipes with multi-frame objects, which readFolder() does not read: MultiFrameTest.cpp does.
+// Recipes with three samples a pixel, palettes or presentation states beside the images.
+inline bool hasColoursOrStates(const std::string& recipe) {
+  return recipe == "palette" || recipe == "presentation" || recipe == "rgba-spheres";
+}
+
 inline bool isMultiFrame(const std::string& recipe) {
   return recipe == "dose" || recipe == "enhanced-ct" || recipe == "enhanced-mr" || recipe == "segmentation";
 }

@@ -140,7 +140,8 @@ TEST(Workspace, EveryEditIsUndoneAndRedone) {
   w.setWindow(0, {40, 80, VoiFunction::Linear, ""}), step();
   w.scroll(0, 2), step();
   w.invert(0), step();
-  ASSERT_TRUE(w.openMpr()), step();
+  ASSERT_TRUE(w.openMpr());
+  step();
   w.moveCrosshair(0, PatientPoint(1, 2, 20)), step();
   w.toggleMaximised(2), step();
   w.setScene(2, Gesture::Pan, panned(w.tile(2).scene, {10, 0}, 0.5)), step();
