@@ -2,9 +2,9 @@
 # Builds a copy of plugins/example as a newcomer does: a folder of its own, find_package(vernier) in an installed tree.
 # Once in the way that Vernier was built, once in another way, which the program must refuse.
 # PREFIX, EXAMPLE, OUT, GENERATOR, COMPILER, LAUNCHER, BUILD_TYPE, SANITIZE
-set(other Debug)
+set(otherType Debug)
 if(BUILD_TYPE STREQUAL Debug)
-  set(other Release)
+  set(otherType Release)
 endif()
 set(flags "")
 if(SANITIZE)
@@ -15,7 +15,7 @@ file(COPY ${EXAMPLE} DESTINATION ${OUT})
 foreach(kind same other)
   set(type ${BUILD_TYPE})
   if(kind STREQUAL other)
-    set(type ${other})
+    set(type ${otherType})
   endif()
   execute_process(COMMAND ${CMAKE_COMMAND} -S ${OUT}/example -B ${OUT}/${kind} -G ${GENERATOR}
       -DCMAKE_PREFIX_PATH=${PREFIX} -DCMAKE_BUILD_TYPE=${type} -DCMAKE_CXX_COMPILER=${COMPILER}
