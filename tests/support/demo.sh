@@ -38,3 +38,7 @@ done
 say "What one picture needs, and why (--explain):"
 "$vernier" render "$out/ct-head" --view oblique --preset bone --explain --out "$out/oblique.png"
 say "Look at $out/contact-sheet.png and the other sheets beside it."
+if [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] && [ -t 1 ]; then
+  say "The window (close it to end; F1 shows mouse and keys):"
+  "$vernier" view "${study:-$out/ct-head}"
+fi
