@@ -43,7 +43,8 @@ Result<Annotations> describeLayer(Session& session, const ImageLayer& layer, con
                            : !info.windows.empty()                     ? info.windows.front()
                                                                        : info.autoWindow;
   Sources sources;
-  if (const auto state = session.presentation(layer.presentation)) sources.presentations[layer.presentation] = state;
+  if (const auto state = session.presentation(layer.presentation))
+    sources.presentations[layer.presentation] = state;
   const auto state = presentationOf(layer, info, sources);
   if (!state) return state.error();
   const FramePresentation* const applied = *state ? &**state : nullptr;

@@ -31,7 +31,8 @@ int run(const GlobalOptions& global, const Options& o) {
   const StudySet& study = session->study();
   const std::vector<VolumeFile>& volumes = session->volumeFiles();
   info.surfaces = surfacesOf(study, &session->budget(), interruptToken());
-  std::cout << (o.json ? infoJson(study, info, volumes) : infoText(study, volumes, info.surfaces)) << std::flush;
+  std::cout << (o.json ? infoJson(study, info, volumes) : infoText(study, volumes, info.surfaces))
+            << std::flush;
   const bool anyVolume =
       std::any_of(volumes.begin(), volumes.end(), [](const VolumeFile& v) { return v.facts.has_value(); });
   const bool anySurface = std::any_of(info.surfaces.begin(), info.surfaces.end(),
@@ -50,11 +51,14 @@ int run(const GlobalOptions& global, const Options& o) {
 
 Command addInfo(CLI::App& app, GlobalOptions& global) {
   const auto o = std::make_shared<Options>();
-  CLI::App* sub = app.add_subcommand("info", "Patients, studies, series, geometry, surfaces and findings of an input");
+  CLI::App* sub =
+      app.add_subcommand("info", "Patients, studies, series, geometry, surfaces and findings of an input");
   sub->add_option("INPUT", o->inputs, "Files, folders or ZIP archives (docs/files.md)")->required();
   sub->add_flag("--json", o->json, "JSON on standard output");
   sub->add_flag("--pixels", o->pixels, "Decode all images too: SHA-256, extrema, probes (JSON only)");
-  sub->footer("Examples:\n  vernier info STUDY\n  vernier info study.zip\n  vernier info T1.nii.gz\n  vernier info /media/cdrom/DICOMDIR\n  vernier info screw.stl\n  vernier info STUDY --json --pixels > facts.json");
+  sub->footer(
+      "Examples:\n  vernier info STUDY\n  vernier info study.zip\n  vernier info T1.nii.gz\n  vernier info "
+      "/media/cdrom/DICOMDIR\n  vernier info screw.stl\n  vernier info STUDY --json --pixels > facts.json");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 

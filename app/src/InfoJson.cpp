@@ -393,7 +393,8 @@ Json totalsJson(const StudySet& set, const std::vector<SurfaceRecord>& surfaces)
 
 }  // namespace
 
-std::string infoJson(const StudySet& set, const InfoOptions& options, const std::vector<VolumeFile>& volumes) {
+std::string infoJson(const StudySet& set, const InfoOptions& options,
+                     const std::vector<VolumeFile>& volumes) {
   Json j{{"schema", "vernier-info/1"}, {"totals", totalsJson(set, options.surfaces)}};
   j["patients"] = Json::array();
   for (const Patient& p : set.patients)

@@ -80,7 +80,8 @@ Json toJson(const Error& e) {
   return {{"code", std::string(errorName(e.code))}, {"sentence", e.sentence}, {"where", e.where}};
 }
 
-Json volumeFilesJson(const StudySet& set, const std::vector<VolumeFile>& volumes, const InfoOptions& options) {
+Json volumeFilesJson(const StudySet& set, const std::vector<VolumeFile>& volumes,
+                     const InfoOptions& options) {
   Json list = Json::array();
   for (const VolumeFile& v : volumes) list.push_back(volumeFileJson(set, v, options));
   return list;

@@ -186,9 +186,10 @@ void addVolumeFile(const StudySet& set, const VolumeFile& v, std::size_t index, 
   }
   const VolumeInfo& i = v.facts->info;
   const glm::dvec3 s = i.grid.spacing_mm();
-  out += "  " + v.facts->format + "\n  " + std::to_string(i.grid.columns) + "x" + std::to_string(i.grid.rows) + "x" +
-         std::to_string(i.grid.slices) + " voxels of " + v.facts->storedType + ", " + number(s.x, 4) + "x" +
-         number(s.y, 4) + "x" + number(s.z, 4) + " mm, unit " + safe(i.unit);
+  out += "  " + v.facts->format + "\n  " + std::to_string(i.grid.columns) + "x" +
+         std::to_string(i.grid.rows) + "x" + std::to_string(i.grid.slices) + " voxels of " +
+         v.facts->storedType + ", " + number(s.x, 4) + "x" + number(s.y, 4) + "x" + number(s.z, 4) +
+         " mm, unit " + safe(i.unit);
   if (v.facts->frames > 1) out += ", " + count(static_cast<std::size_t>(v.facts->frames), "frame");
   out += "\n";
   addFindings(i.findings, "         ", out);

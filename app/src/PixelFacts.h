@@ -28,9 +28,9 @@ struct PixelPlace {
 };
 // Of a colour image, frame 0.
 struct ColourFacts {
-  std::array<double, 3> rgbMean{};               // of its 8-bit picture, unscaled
-  std::vector<std::vector<double>> stored;       // samples at the places asked for; an index, of palettes
-  std::vector<std::array<double, 3>> rgb;        // colours there, 0..255
+  std::array<double, 3> rgbMean{};          // of its 8-bit picture, unscaled
+  std::vector<std::vector<double>> stored;  // samples at the places asked for; an index, of palettes
+  std::vector<std::array<double, 3>> rgb;   // colours there, 0..255
 };
 Result<ColourFacts> colourFacts(const StudySet&, std::size_t instance, const std::vector<PixelPlace>& probes);
 // Decodes all frames of an image of one sample per pixel.

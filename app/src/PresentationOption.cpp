@@ -7,23 +7,28 @@
 namespace vernier::app {
 namespace {
 
-Error invalid(const std::string& sentence) { return makeError(ErrorCode::OptionInvalid, sentence, "--presentation"); }
+Error invalid(const std::string& sentence) {
+  return makeError(ErrorCode::OptionInvalid, sentence, "--presentation");
+}
 
 const PresentationState* find(const StudySet& set, const std::string& wanted) {
   const auto& all = set.presentations;
   std::size_t n = 0;
   const char* const end = wanted.data() + wanted.size();
-  if (const auto [p, ec] = std::from_chars(wanted.data(), end, n); ec == std::errc() && p == end && n >= 1 && n <= all.size())
+  if (const auto [p, ec] = std::from_chars(wanted.data(), end, n);
+      ec == std::errc() && p == end && n >= 1 && n <= all.size())
     return &all[n - 1];
   const auto it = std::find_if(all.begin(), all.end(),
                                [&](const PresentationState& p) { return p.sopInstanceUid == wanted; });
   return it == all.end() ? nullptr : &*it;
 }
 
-std::optional<std::int64_t> firstSlice(const StudySet& set, const Stack& stack, const PresentationState& state) {
+std::optional<std::int64_t> firstSlice(const StudySet& set, const Stack& stack,
+                                       const PresentationState& state) {
   for (std::size_t s = 0; s < stack.slices.size(); ++s) {
     const SliceRef& ref = stack.slices[s];
-    if (refersTo(state.images, set.instances[ref.instance].sopInstanceUid, static_cast<std::int64_t>(ref.frame) + 1))
+    if (refersTo(state.images, set.instances[ref.instance].sopInstanceUid,
+                 static_cast<std::int64_t>(ref.frame) + 1))
       return static_cast<std::int64_t>(s);
   }
   return std::nullopt;

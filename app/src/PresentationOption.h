@@ -10,8 +10,9 @@ struct PresentationChoice {
   StackChoice stack;
   std::int64_t slice = 0;  // of the stack
 };
-// `wanted`: SOP Instance UID, or the position among the presentation states in `info`, counted from 1. `within`: only
-// frames of this stack count. OptionInvalid where there is none such, or where it is for no image that was opened.
+// `wanted`: SOP Instance UID, or the position among the presentation states in `info`, counted from 1.
+// `within`: only frames of this stack count. OptionInvalid where there is none such, or where it is for no
+// image that was opened.
 Result<PresentationChoice> choosePresentation(const Session&, const std::string& wanted,
                                               std::optional<StackChoice> within);
 

@@ -68,7 +68,8 @@ int run(const GlobalOptions& global, const Options& o) {
                                           : finishedPicture(*session, request->scene, request->view,
                                                             *rendered, o.view.maxError, o.scale);
     if (!picture) return report(picture.error());
-    if (const Result<void> r = writePng(o.out, *picture, pngTexts(request->scene, *rendered)); !r) return report(r.error());
+    if (const Result<void> r = writePng(o.out, *picture, pngTexts(request->scene, *rendered)); !r)
+      return report(r.error());
   }
   if (!o.report.empty()) {
     in.session = session.get();
@@ -105,7 +106,8 @@ Command addRender(CLI::App& app, GlobalOptions& global) {
       "  vernier render STUDY --view slab --slab 10 --slab-mode max --quality reference --out mip.png\n"
       "  vernier render STUDY --view oblique --plane point=0,0,0,normal=1,0,1,up=0,0,1 --explain\n"
       "  vernier render STUDY --view oblique --plane from=-40,10,0,to=40,-5,20,up=0,0,1 --out plane.png\n"
-      "  vernier render STUDY --view curved --path \"-38,-30,-85;0,-81,-85;38,-30,-85\" --width 60 --out arch.png\n"
+      "  vernier render STUDY --view curved --path \"-38,-30,-85;0,-81,-85;38,-30,-85\" --width 60 --out "
+      "arch.png\n"
       "  vernier render head.mhd --view coronal --engine gl --out coronal.png\n"
       "  vernier render study.zip --series T1.nii.gz --view axial --out t1.png\n"
       "  vernier render head.vrp --z-span 128 --view oblique --out head.png\n"

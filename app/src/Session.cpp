@@ -96,7 +96,8 @@ const Stack* Session::stackOf(StackChoice c) const {
 }
 
 const VolumeFile* Session::volumeFileOf(StackChoice c) const {
-  return c.volumeFile && *c.volumeFile < impl_->volumeFiles.size() ? &impl_->volumeFiles[*c.volumeFile] : nullptr;
+  return c.volumeFile && *c.volumeFile < impl_->volumeFiles.size() ? &impl_->volumeFiles[*c.volumeFile]
+                                                                   : nullptr;
 }
 
 const Series* Session::chosenSeries() const { return impl_->chosen ? seriesOf(*impl_->chosen) : nullptr; }
@@ -122,8 +123,10 @@ std::string Session::sourceName(StackChoice c) const {
   if (c.volumeFile) return std::to_string(series.size() + *c.volumeFile + 1);
   VERNIER_ASSERT(c.series < series.size());
   const std::string& uid = series[c.series].seriesUid;
-  const auto same = std::count_if(series.begin(), series.end(), [&](const Series& s) { return s.seriesUid == uid; });
-  const bool uidNames = !uid.empty() && same == 1 && uid.find('#') == std::string::npos && !positiveNumber(uid);
+  const auto same =
+      std::count_if(series.begin(), series.end(), [&](const Series& s) { return s.seriesUid == uid; });
+  const bool uidNames =
+      !uid.empty() && same == 1 && uid.find('#') == std::string::npos && !positiveNumber(uid);
   return (uidNames ? uid : std::to_string(c.series + 1)) + "#" + std::to_string(c.stack + 1);
 }
 
@@ -142,7 +145,8 @@ std::optional<StackChoice> largest(const StudySet& study, const std::vector<Volu
   for (std::size_t s = 0; s < study.series.size(); ++s)
     for (std::size_t k = 0; k < study.series[s].stacks.size(); ++k) {
       const Stack& stack = study.series[s].stacks[k];
-      offer({s, k, {}}, isPicture(study, stack), stack.volume3d, static_cast<std::int64_t>(stack.slices.size()));
+      offer({s, k, {}}, isPicture(study, stack), stack.volume3d,
+            static_cast<std::int64_t>(stack.slices.size()));
     }
   for (std::size_t v = 0; v < volumeFiles.size(); ++v)
     if (volumeFiles[v].facts) offer({0, 0, v}, true, true, volumeFiles[v].facts->info.grid.slices);
@@ -270,10 +274,10 @@ Result<std::shared_ptr<const ImageFrame>> Session::image(const std::string& sour
   const Result<std::int64_t> count = imageCount(source);
   if (!count) return count.error();
   if (index < 0 || index >= *count)
-    return makeError(ErrorCode::OptionInvalid,
-                     "The stack has slices 0 to " + std::to_string(*count - 1) + ", got " +
-                         std::to_string(index) + ".",
-                     "--slice");
+    return makeError(
+        ErrorCode::OptionInvalid,
+        "The stack has slices 0 to " + std::to_string(*count - 1) + ", got " + std::to_string(index) + ".",
+        "--slice");
   const auto made = [](const std::shared_ptr<const ImageFrame>& frame) {
     const ImageFrameInfo& info = frame->info();
     const auto pixels = static_cast<std::uint64_t>(info.columns) * static_cast<std::uint64_t>(info.rows);

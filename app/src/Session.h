@@ -53,11 +53,12 @@ struct RenderOptions {
   bool explain = false;                // as in plan()
 };
 
-// Which stack, or which volume file, of what was opened. Sources in scenes are named "" (the chosen one), "UID",
-// "UID#stack" or by a volume file's name.
+// Which stack, or which volume file, of what was opened. Sources in scenes are named "" (the chosen one),
+// "UID", "UID#stack" or by a volume file's name.
 struct StackChoice {
   std::size_t series = 0, stack = 0;
-  std::optional<std::size_t> volumeFile = std::nullopt;  // position in Session::volumeFiles(); series and stack then mean nothing
+  std::optional<std::size_t> volumeFile =
+      std::nullopt;  // position in Session::volumeFiles(); series and stack then mean nothing
   friend auto operator<=>(const StackChoice&, const StackChoice&) = default;
 };
 
@@ -70,12 +71,12 @@ class Session {
   Result<void> open(const std::vector<std::string>& paths, const ProgressFn& = {}, std::stop_token = {});
   const StudySet& study() const;
   const std::vector<VolumeFile>& volumeFiles() const;  // what of it is no DICOM, but a volume file
-  bool isVolumeFile() const;  // one volume file and nothing else
+  bool isVolumeFile() const;                           // one volume file and nothing else
 
   // `series`: "" = the largest stack or volume file that can be shown in 3-D, else the largest image stack
-  // (segmentations and doses only where there is nothing else); a Series Instance UID or a volume file's name; or the
-  // position in `info`, counted from 1, volume files after the series; a series with an optional "#stack" counted
-  // from 1.
+  // (segmentations and doses only where there is nothing else); a Series Instance UID or a volume file's
+  // name; or the position in `info`, counted from 1, volume files after the series; a series with an optional
+  // "#stack" counted from 1.
   Result<StackChoice> choose(const std::string& series) const;
   // A source name that stands for this stack whatever use() says: "UID#stack", or "position#stack" where the
   // UID is empty or not unique.
@@ -103,12 +104,13 @@ class Session {
   // "#2"... where another file has it already.
   Result<std::string> addSurface(const std::string& path, std::stop_token = {});
   Result<void> addSurface(const std::string& name, const std::string& path, std::stop_token = {});
-  std::vector<std::string> surfaceFiles() const;  // their paths
+  std::vector<std::string> surfaceFiles() const;                              // their paths
   std::shared_ptr<const SurfaceFile> surface(const std::string& name) const;  // nullptr: none of this name
 
   // Of volume files: which of several volumes; of lists of images: the span of all slices (BuildOptions).
   void readVolumeFilesWith(std::optional<std::int64_t> frame, std::optional<double> zSpan);
-  // What source "" stands for, once chosen: a stack of a series, or a volume file; nullptr for the other and before.
+  // What source "" stands for, once chosen: a stack of a series, or a volume file; nullptr for the other and
+  // before.
   const Series* chosenSeries() const;
   const Stack* chosenStack() const;
   const VolumeFile* chosenVolumeFile() const;

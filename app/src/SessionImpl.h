@@ -70,7 +70,8 @@ struct Session::Impl {
   StudySet study;
   std::vector<VolumeFile> volumeFiles;
   std::optional<StackChoice> chosen;
-  Revision opened = 0;  // counts what was opened: frames of earlier studies are not taken for those of this one
+  Revision opened =
+      0;  // counts what was opened: frames of earlier studies are not taken for those of this one
   bool bridge = false;
   std::optional<std::int64_t> fileFrame;
   std::optional<double> zSpan;

@@ -10,6 +10,7 @@
 #include "vernier/base/Trace.h"
 #include "vernier/native/Simd.h"
 #include "vernier/plan/SceneJson.h"
+#include "vernier/plan/Volumetric.h"
 
 namespace vernier::app {
 
@@ -67,11 +68,16 @@ Result<Sources> Session::Impl::sourcesFor(Session& session, const Scene& scene, 
       if (const Result<void> r = take(slice->source); !r) return r.error();
     } else if (const auto* curved = std::get_if<CurvedLayer>(&layer)) {
       if (const Result<void> r = take(curved->source); !r) return r.error();
+    } else if (const auto* projection = std::get_if<ProjectionLayer>(&layer)) {
+      if (const Result<void> r = take(projection->source); !r) return r.error();
+    } else if (const auto* shells = std::get_if<ShellsLayer>(&layer)) {
+      if (const Result<void> r = take(shells->source); !r) return r.error();
     } else if (const auto* image = std::get_if<ImageLayer>(&layer)) {
       const auto f = session.image(image->source, image->index);
       if (!f) return f.error();
       sources.images[{image->source, image->index}] = *f;
-      if (const auto p = session.presentation(image->presentation)) sources.presentations[image->presentation] = p;
+      if (const auto p = session.presentation(image->presentation))
+        sources.presentations[image->presentation] = p;
     } else if (const auto* custom = std::get_if<CustomLayer>(&layer); custom) {
       const std::optional<std::string> source = sourceOf(*custom);
       if (!source || plugins.techniques().drawing(custom->kind).empty()) continue;
@@ -101,11 +107,20 @@ Result<Plan> Session::plan(const Scene& scene, const View& view, const Quality& 
 Scene Session::Impl::withWindows(Scene scene, const Sources& sources) {
   const auto fill = [&](auto* layer) {
     if (!layer || layer->window) return;
-    if (const Volume& volume = *sources.volumes.at(layer->source); !volume.isColour()) layer->window = windowOf(volume);
+    if (const Volume& volume = *sources.volumes.at(layer->source); !volume.isColour())
+      layer->window = windowOf(volume);
+  };
+  // A look through a volume shows what is brightest in it, which the file's window was not made for.
+  const auto fillWhole = [&](auto* layer) {
+    if (!layer || layer->window) return;
+    if (const Volume& volume = *sources.volumes.at(layer->source); !volume.isColour())
+      layer->window = wholeRange(volume);
   };
   for (Layer& layer : scene.layers) {
     fill(std::get_if<SliceLayer>(&layer));
     fill(std::get_if<CurvedLayer>(&layer));
+    fillWhole(std::get_if<ProjectionLayer>(&layer));
+    fillWhole(std::get_if<ShellsLayer>(&layer));
   }
   return scene;
 }
@@ -127,12 +142,12 @@ Result<std::map<std::size_t, PixelTruth>> Session::Impl::truthsOf(const Scene& s
     if (!std::holds_alternative<CustomLayer>(shown.layers[n])) continue;
     const std::string kind = kindOf(shown.layers[n]);
     const auto candidates = plugins.techniques().drawing(kind);
-    const auto withTruth =
-        std::find_if(candidates.begin(), candidates.end(), [](const Technique* t) { return t->truth != nullptr; });
+    const auto withTruth = std::find_if(candidates.begin(), candidates.end(),
+                                        [](const Technique* t) { return t->truth != nullptr; });
     if (withTruth == candidates.end())
-      return makeError(ErrorCode::NotBuiltYet,
-                       "error not measured: the plugin of layer " + std::to_string(n) + " (" + kind +
-                           ") brings no truth to measure against");
+      return makeError(ErrorCode::NotBuiltYet, "error not measured: the plugin of layer " +
+                                                   std::to_string(n) + " (" + kind +
+                                                   ") brings no truth to measure against");
     Result<PixelTruth> truth = (*withTruth)->truth(shown.layers[n], n, context);
     if (!truth) return truth.error();
     truths[n] = std::move(*truth);
@@ -189,7 +204,8 @@ Result<Frame> Session::Impl::execute(const Plan& plan, const View& view, const R
 namespace {
 
 bool usesGl(const Plan& plan) {
-  return std::any_of(plan.passes.begin(), plan.passes.end(), [](const Pass& p) { return p.engine == Engine::Gl; });
+  return std::any_of(plan.passes.begin(), plan.passes.end(),
+                     [](const Pass& p) { return p.engine == Engine::Gl; });
 }
 
 // What another context, or none, may do better: everything that the device is to blame for.
@@ -241,7 +257,8 @@ quality::LadderOptions ladderOf(const Quality& asked, const RenderOptions& optio
 
 // Colour, depth and values of a frame as floats, and the 8 bits made of them.
 std::uint64_t bytesOfPicture(const View& view) {
-  const std::uint64_t perPixel = 4 * sizeof(float) + sizeof(float) + (view.wantValues ? sizeof(float) : 0) + 3;
+  const std::uint64_t perPixel =
+      4 * sizeof(float) + sizeof(float) + (view.wantValues ? sizeof(float) : 0) + 3;
   return perPixel * static_cast<std::uint64_t>(view.width_px) * static_cast<std::uint64_t>(view.height_px);
 }
 
@@ -261,8 +278,9 @@ Result<void> Session::Impl::checkShown(const Scene& scene, const View& view) con
 Result<Rendered> Session::render(const Scene& scene, const View& view, const Quality& asked,
                                  const RenderOptions& options, std::stop_token stop, Frame reuse) {
   if (const Result<void> r = impl_->checkShown(scene, view); !r) return r.error();
-  const auto room = impl_->budget.reserve(bytesOfPicture(view), "A picture of " + std::to_string(view.width_px) + " x " +
-                                                                    std::to_string(view.height_px) + " pixels");
+  const auto room =
+      impl_->budget.reserve(bytesOfPicture(view), "A picture of " + std::to_string(view.width_px) + " x " +
+                                                      std::to_string(view.height_px) + " pixels");
   if (!room) return room.error();
   const auto begin = Clock::now();
   const Result<Sources> sources = impl_->sourcesFor(*this, scene, stop);
@@ -278,7 +296,8 @@ Result<Rendered> Session::render(const Scene& scene, const View& view, const Qua
     quality.step = step;
     Result<Plan> plan = impl_->planFor(drawn, view, quality, *sources, options.explain);
     if (!plan) return plan.error();
-    Result<Frame> frame = impl_->drawOrRecover({drawn, view, quality, *sources}, *plan, stop, std::move(reuse));
+    Result<Frame> frame =
+        impl_->drawOrRecover({drawn, view, quality, *sources}, *plan, stop, std::move(reuse));
     if (frame) frame->prepare_ms = prepare_ms;
     plans[step] = std::move(*plan);
     return frame;

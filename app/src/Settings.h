@@ -40,8 +40,8 @@ Result<Settings> readSettings(const SettingFlags&);
 // it.
 Result<void> checkSettingsFolder();
 
-// Writes notice_seen into the settings file, which keeps all else that it holds. WriteFailed where that cannot
-// be done.
+// Writes notice_seen into the settings file, which keeps all else that it holds. WriteFailed where that
+// cannot be done.
 Result<void> rememberNoticeSeen();
 
 }  // namespace vernier::app

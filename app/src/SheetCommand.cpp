@@ -53,7 +53,8 @@ Result<ViewOptions> optionsFor(const Options& o, const std::string& name) {
     one.interpolation = name.substr(colon + 1);
     if (one.interpolation != "nearest" && one.interpolation != "linear" && one.interpolation != "cubic")
       return makeError(ErrorCode::OptionInvalid,
-                       "'" + name + "' is no view; after the colon stands nearest, linear or cubic.", "--views");
+                       "'" + name + "' is no view; after the colon stands nearest, linear or cubic.",
+                       "--views");
   }
   const bool free =
       view == "oblique" || view == "slab";  // each option goes to the views that have a use for it
@@ -137,12 +138,14 @@ Command addSheet(CLI::App& app, GlobalOptions& global) {
   addViewOptions(*sub, o->view);
   sub->add_option("--out", o->out, "Contact sheet, PNG")->required();
   sub->add_option("--title", o->title, "Title of the sheet");
-  sub->add_option("--views", o->views, "Views, in order; oblique:cubic for another interpolation")->delimiter(',');
+  sub->add_option("--views", o->views, "Views, in order; oblique:cubic for another interpolation")
+      ->delimiter(',');
   sub->add_option("--columns", o->columns, "Pictures in a row")->check(CLI::Range(1, 20));
   sub->footer(
       "Examples:\n"
       "  vernier sheet STUDY --out sheet.png --preset brain\n"
-      "  vernier sheet STUDY --out sheet.png --views axial,oblique,oblique:cubic,curved --path \"0,0,-40;9,2,0;0,5,40\"");
+      "  vernier sheet STUDY --out sheet.png --views axial,oblique,oblique:cubic,curved --path "
+      "\"0,0,-40;9,2,0;0,5,40\"");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 

@@ -11,7 +11,9 @@
 namespace vernier::app {
 namespace {
 
-Error unavailable(const std::string& sentence) { return makeError(ErrorCode::WindowUnavailable, sentence, "window"); }
+Error unavailable(const std::string& sentence) {
+  return makeError(ErrorCode::WindowUnavailable, sentence, "window");
+}
 
 struct Library {
   UiRunFn run = nullptr;
@@ -22,7 +24,9 @@ Result<Library> openLibrary() {
       std::filesystem::path(PluginHost::installFolder()).parent_path() / "libvernier_ui.so";
   std::error_code ec;
   if (!std::filesystem::exists(path, ec))
-    return unavailable("The window is not installed (lib/vernier/libvernier_ui.so is missing); the other commands work without it.");
+    return unavailable(
+        "The window is not installed (lib/vernier/libvernier_ui.so is missing); the other commands work "
+        "without it.");
   // Never closed: GL drivers keep threads that outlive their library otherwise.
   void* const handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!handle) {
@@ -34,7 +38,8 @@ Result<Library> openLibrary() {
   const auto abi = reinterpret_cast<UiAbiFn>(dlsym(handle, "vernierUiAbi"));
   const auto run = reinterpret_cast<UiRunFn>(dlsym(handle, "vernierUiRun"));
   if (!abi || !run || std::strcmp(abi(), VERNIER_ABI_ID) != 0)
-    return unavailable("libvernier_ui.so is of another build than this program; install both from one package.");
+    return unavailable(
+        "libvernier_ui.so is of another build than this program; install both from one package.");
   return Library{run};
 }
 

@@ -53,7 +53,8 @@ Command addView(CLI::App& app, GlobalOptions& global) {
   sub->add_option("--ui-scale", o->scale, "Size of text and buttons, 1 to 3 (default: the monitor's)")
       ->check(CLI::Range(1.0, 3.0));
   sub->add_option("--window-size", o->size, "Size of the window, WIDTHxHEIGHT (default 1280x800)");
-  sub->add_option("--screenshot", o->screenshot, "Write the window as PNG when all is loaded, and end")->group("");
+  sub->add_option("--screenshot", o->screenshot, "Write the window as PNG when all is loaded, and end")
+      ->group("");
   sub->footer(
       "Examples:\n"
       "  vernier view                       an empty window; drop a folder on it\n"

@@ -10,14 +10,22 @@
 
 namespace vernier::app {
 
+// Of the views that look through a volume.
+struct VolumeOptions {
+  std::string levels, spread;  // "" = not given
+  std::optional<double> beta0, betaM, a, b, cue, gain_perMm;
+};
+
 struct ViewOptions {
   std::vector<std::string> inputs, surfaces;
   std::string view, sceneFile, series;
-  std::string size = "512x512", camera, plane, slabMode, window, preset, interpolation, presentation;  // "" = not given
+  std::string size = "512x512", camera, plane, slabMode, window, preset, interpolation,
+              presentation;  // "" = not given
   std::optional<std::int64_t> slice, frame;
   std::optional<double> slab_mm, zSpan;
   std::string path, form, pathUp;  // of the view curved
   std::optional<double> width_mm;
+  VolumeOptions volume;
   std::string engine, technique, quality = "review";
   std::optional<double> maxError, minFps;
   int errorSamples = 1024;

@@ -8,7 +8,7 @@
 namespace vernier {
 
 struct VolumeFacts {
-  std::string sha256;  // of the voxels, columns fastest, little endian
+  std::string sha256;                                  // of the voxels, columns fastest, little endian
   double storedMin = 0, storedMax = 0, storedSum = 0;  // without NaN
 };
 Result<VolumeFacts> volumeFacts(const FileRecord&);

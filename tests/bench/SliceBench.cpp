@@ -16,9 +16,9 @@
 #include "vernier/base/Threads.h"
 #include "vernier/native/Simd.h"
 #include "vernier/native/Slice.h"
-#include "vernier/volume/VolumeFile.h"
 #include "vernier/volume/Sampling.h"
 #include "vernier/volume/Voi.h"
+#include "vernier/volume/VolumeFile.h"
 
 namespace {
 

@@ -18,11 +18,15 @@ namespace vernier::ui {
 namespace {
 using Clock = std::chrono::steady_clock;
 
-double msSince(Clock::time_point t) { return std::chrono::duration<double, std::milli>(Clock::now() - t).count(); }
+double msSince(Clock::time_point t) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - t).count();
+}
 double cpu_ms() {
   rusage u{};
   getrusage(RUSAGE_SELF, &u);
-  const auto ms = [](timeval t) { return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec); };
+  const auto ms = [](timeval t) {
+    return 1e3 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_usec);
+  };
   return ms(u.ru_utime) + ms(u.ru_stime);
 }
 
@@ -103,12 +107,13 @@ int run(const char* study) {
   host.run([&] { return !over; });
   const double share = (cpu_ms() - cpuBefore) / msSince(idle);
   clock.join();
-  std::printf("{\"window_ms\": %.0f, \"start_to_first_picture_ms\": %.0f, \"series_to_first_slice_ms\": %.0f, "
-              "\"scrolled\": %d, \"pictures_per_second\": %.1f, \"notch_ms\": {\"median\": %.1f, \"q90\": %.1f}, "
-              "\"picture\": \"%dx%d\", \"idle_share_of_a_core\": %.4f}\n",
-              window_ms, first_ms, choose_ms, slices, rate, times_ms[times_ms.size() / 2],
-              times_ms[times_ms.size() * 9 / 10], host.desk().tileView(0).view.width_px,
-              host.desk().tileView(0).view.height_px, share);
+  std::printf(
+      "{\"window_ms\": %.0f, \"start_to_first_picture_ms\": %.0f, \"series_to_first_slice_ms\": %.0f, "
+      "\"scrolled\": %d, \"pictures_per_second\": %.1f, \"notch_ms\": {\"median\": %.1f, \"q90\": %.1f}, "
+      "\"picture\": \"%dx%d\", \"idle_share_of_a_core\": %.4f}\n",
+      window_ms, first_ms, choose_ms, slices, rate, times_ms[times_ms.size() / 2],
+      times_ms[times_ms.size() * 9 / 10], host.desk().tileView(0).view.width_px,
+      host.desk().tileView(0).view.height_px, share);
   return 0;
 }
 

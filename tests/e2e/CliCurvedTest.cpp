@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Curved reformats and cubic interpolation from the command line: pictures, reports, what they say of themselves.
+// Curved reformats and cubic interpolation from the command line: pictures, reports, what they say of
+// themselves.
 #include <nlohmann/json.hpp>
 
 #include "CliFixture.h"
@@ -13,9 +14,9 @@ TEST_F(Cli, ACurvedReformatIsDrawnMeasuredAndReported) {
   const std::string study = writeSmallStudy(dir_.path() / "s");
   const std::string points = write("path.json", "[[-8, -6, 4], [0, 4, 10], [7, 6, 18]]");
   for (const std::string& given : {std::string("-8,-6,4;0,4,10;7,6,18"), points}) {
-    const ProgramRun r = vernier({"render", study, "--view", "curved", "--path", given, "--width", "8", "--size",
-                                  "90x60", "--interpolation", "cubic", "--out", path("c.png"), "--report",
-                                  path("c.json"), "--explain"});
+    const ProgramRun r = vernier({"render", study, "--view", "curved", "--path", given, "--width", "8",
+                                  "--size", "90x60", "--interpolation", "cubic", "--out", path("c.png"),
+                                  "--report", path("c.json"), "--explain"});
     ASSERT_EQ(r.exitCode, 0) << show(r);
     const Json j = Json::parse(readFile(path("c.json")));
     EXPECT_EQ(j["engine"]["technique"], "mpr.curved");
@@ -29,8 +30,8 @@ TEST_F(Cli, ACurvedReformatIsDrawnMeasuredAndReported) {
     EXPECT_NE(r.out.find(" cubic "), std::string::npos) << r.out;
     // The scene of the report draws the same picture.
     write("scene.json", j["scene"].dump());
-    const ProgramRun again = vernier({"render", study, "--scene", path("scene.json"), "--size", "90x60", "--out",
-                                      path("d.png")});
+    const ProgramRun again =
+        vernier({"render", study, "--scene", path("scene.json"), "--size", "90x60", "--out", path("d.png")});
     ASSERT_EQ(again.exitCode, 0) << show(again);
     EXPECT_EQ(readFile(path("c.png")), readFile(path("d.png")));
   }
@@ -38,8 +39,9 @@ TEST_F(Cli, ACurvedReformatIsDrawnMeasuredAndReported) {
 
 TEST_F(Cli, ASheetWiderThanThePathsBendSaysSo) {
   const std::string study = writeSmallStudy(dir_.path() / "s");
-  const ProgramRun r = vernier({"render", study, "--view", "curved", "--path", "-6,0,10;0,5,10;6,0,10", "--path-up",
-                                "0,1,0", "--width", "30", "--size", "90x60", "--out", path("c.png")});
+  const ProgramRun r =
+      vernier({"render", study, "--view", "curved", "--path", "-6,0,10;0,5,10;6,0,10", "--path-up", "0,1,0",
+               "--width", "30", "--size", "90x60", "--out", path("c.png")});
   ASSERT_EQ(r.exitCode, 0) << show(r);
   EXPECT_NE(r.err.find("vernier: note: overlaps itself: radius"), std::string::npos) << show(r);
 }
@@ -58,9 +60,10 @@ TEST_F(Cli, APathFileThatCannotBeReadIsSaid) {
 
 TEST_F(Cli, SheetsShowCubicAndCurvedPictures) {
   const std::string study = writeSmallStudy(dir_.path() / "s");
-  const ProgramRun r = vernier({"sheet", study, "--size", "96x96", "--views", "stack,axial,oblique,oblique:cubic,curved",
-                                "--path", "-8,-6,4;0,4,10;7,6,18", "--slice", "5", "--out", path("s.png")},
-                               60);
+  const ProgramRun r =
+      vernier({"sheet", study, "--size", "96x96", "--views", "stack,axial,oblique,oblique:cubic,curved",
+               "--path", "-8,-6,4;0,4,10;7,6,18", "--slice", "5", "--out", path("s.png")},
+              60);
   ASSERT_EQ(r.exitCode, 0) << show(r);
   for (const char* line : {"stack  ", "oblique:cubic  ", "curved  ", "mpr.curved"})
     EXPECT_NE(r.out.find(line), std::string::npos) << line << "\n" << r.out;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Volume files, archives and DICOMDIRs through the program: opened as a user does, hostile ones refused with a sentence,
-// and nothing written anywhere.
+// Volume files, archives and DICOMDIRs through the program: opened as a user does, hostile ones refused with
+// a sentence, and nothing written anywhere.
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -20,7 +20,8 @@ class CliFiles : public Cli {
     fs::create_directories(dir_.path() / "home");
     fs::create_directories(dir_.path() / "tmp");
     args.insert(args.begin(), kProgram);
-    return runProgram(args, 20, {"HOME=" + path("home"), "XDG_CONFIG_HOME=" + path("home"), "TMPDIR=" + path("tmp")});
+    return runProgram(args, 20,
+                      {"HOME=" + path("home"), "XDG_CONFIG_HOME=" + path("home"), "TMPDIR=" + path("tmp")});
   }
   std::set<std::string> everything() const {
     std::set<std::string> all;
@@ -80,7 +81,8 @@ TEST_F(CliFiles, AVolumeFileIsListedAndDrawn) {
 TEST_F(CliFiles, AnArchiveOfAStudyAndAVolumeFile) {
   writeSmallStudy(dir_.path() / "s");
   std::vector<ZipEntry> entries{{"x/brain.nii", nifti()}};
-  for (const auto& e : fs::directory_iterator(dir_.path() / "s")) entries.push_back({"s/" + e.path().filename().string(), readFile(e.path())});
+  for (const auto& e : fs::directory_iterator(dir_.path() / "s"))
+    entries.push_back({"s/" + e.path().filename().string(), readFile(e.path())});
   entries.push_back({"../../escape.dcm", entries[1].bytes});
   writeZip(path("a.zip"), entries);
   const auto before = everything();
@@ -95,12 +97,15 @@ TEST_F(CliFiles, AnArchiveOfAStudyAndAVolumeFile) {
     all.insert({path("home"), path("tmp")});
     return all;
   }());
-  const ProgramRun inside = run({"render", path("a.zip"), "--view", "coronal", "--no-letters", "--out", path("in.png")});
-  const ProgramRun outside = run({"render", path("s"), "--view", "coronal", "--no-letters", "--out", path("out.png")});
+  const ProgramRun inside =
+      run({"render", path("a.zip"), "--view", "coronal", "--no-letters", "--out", path("in.png")});
+  const ProgramRun outside =
+      run({"render", path("s"), "--view", "coronal", "--no-letters", "--out", path("out.png")});
   ASSERT_EQ(inside.exitCode, 0) << show(inside);
   ASSERT_EQ(outside.exitCode, 0) << show(outside);
   EXPECT_EQ(run({"compare", path("in.png"), path("out.png"), "--max-error", "0"}).exitCode, 0);
-  const ProgramRun volume = run({"render", path("a.zip"), "--series", "brain.nii", "--view", "axial", "--out", path("v.png")});
+  const ProgramRun volume =
+      run({"render", path("a.zip"), "--series", "brain.nii", "--view", "axial", "--out", path("v.png")});
   EXPECT_EQ(volume.exitCode, 0) << show(volume);
 }
 
@@ -114,8 +119,12 @@ TEST_F(CliFiles, HostileInputIsRefusedAndNothingIsWritten) {
   write("cut.nii", good.substr(0, good.size() - 1));
   write("nan.nii", edited([](std::string& s) { put<float>(s, 284, NAN); }));
   write("five.nii", edited([](std::string& s) { put<std::int16_t>(s, 40, 5), put<std::int16_t>(s, 50, 3); }));
-  write("huge.nii", edited([](std::string& s) { for (std::size_t d = 42; d < 48; d += 2) put<std::int16_t>(s, d, 32767); }));
-  write("four.nii", edited([](std::string& s) { put<std::int16_t>(s, 40, 4), put<std::int16_t>(s, 46, 1), put<std::int16_t>(s, 48, 2); }));
+  write("huge.nii", edited([](std::string& s) {
+          for (std::size_t d = 42; d < 48; d += 2) put<std::int16_t>(s, d, 32767);
+        }));
+  write("four.nii", edited([](std::string& s) {
+          put<std::int16_t>(s, 40, 4), put<std::int16_t>(s, 46, 1), put<std::int16_t>(s, 48, 2);
+        }));
   writeZip(path("up.zip"), {{"../up.nii", good}});
   writeZip(path("absolute.zip"), {{"/tmp/absolute.nii", good}});
   writeZip(path("link.zip"), {{"link.nii", "/etc/passwd", false, 0120777}});
@@ -127,8 +136,9 @@ TEST_F(CliFiles, HostileInputIsRefusedAndNothingIsWritten) {
   fs::create_directories(dir_.path() / "tmp");
   const auto before = everything();
   const std::pair<const char*, int> inputs[] = {
-      {"cut.nii", 3},   {"nan.nii", 3},      {"five.nii", 1}, {"huge.nii", 3}, {"four.nii", 2},   {"up.zip", 3},
-      {"absolute.zip", 3}, {"link.zip", 3}, {"bomb.zip", 3}, {"nested.zip", 3}, {"cut.zip", 3}, {"outside-DICOMDIR", 3}};
+      {"cut.nii", 3},  {"nan.nii", 3},    {"five.nii", 1},     {"huge.nii", 3},
+      {"four.nii", 2}, {"up.zip", 3},     {"absolute.zip", 3}, {"link.zip", 3},
+      {"bomb.zip", 3}, {"nested.zip", 3}, {"cut.zip", 3},      {"outside-DICOMDIR", 3}};
   for (const auto& [name, code] : inputs) {
     SCOPED_TRACE(name);
     const ProgramRun r = run({"render", path(name), "--view", "axial", "--out", path("o.png")});

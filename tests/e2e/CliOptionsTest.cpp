@@ -76,7 +76,8 @@ TEST_F(Cli, EmptyWrappedAndNotANumberAreNoValues) {
       const ProgramRun r = vernier({"render", path("x"), "--view", "axial", option, value});
       if (std::string(option) == "--slice" && r.exitCode == 3)
         continue;  // a number, looked at with the study
-      if (value[0] == '9' && r.exitCode == 3) continue;  // a very large number, but one: looked at with the study
+      if (value[0] == '9' && r.exitCode == 3)
+        continue;  // a very large number, but one: looked at with the study
       expectSentence(r, 2);
       EXPECT_LT(r.err.size(), 250u) << show(r);
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Colour objects of the shared data as pictures of the product, 1:1: their mean against data/expected, and pixel by
-// pixel against dcmj2pnm where that can read them.
+// Colour objects of the shared data as pictures of the product, 1:1: their mean against data/expected, and
+// pixel by pixel against dcmj2pnm where that can read them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -132,8 +132,8 @@ TEST_P(ColourPictures, PixelsAgreeWithDcmj2pnm) {
   for (const Shown& s : colourPictures(GetParam())) {
     const auto ppm = dir.path() / "a.ppm";
     std::filesystem::remove(ppm);
-    const auto run = test::runProgram({"/usr/bin/dcmj2pnm", "--write-raw-pnm",
-                                       (dataDir() / GetParam() / s.file).string(), ppm.string()});
+    const auto run = test::runProgram(
+        {"/usr/bin/dcmj2pnm", "--write-raw-pnm", (dataDir() / GetParam() / s.file).string(), ppm.string()});
     const Picture theirs = readPpm(ppm);
     if (run.exitCode != 0 || theirs.width == 0) continue;
     ASSERT_EQ(theirs.width, s.picture.width) << s.file;
@@ -152,8 +152,8 @@ INSTANTIATE_TEST_SUITE_P(Folders, ColourPictures,
                          ::testing::Values("codec_emri_palette_planar", "codec_small_singles"),
                          [](const auto& p) { return std::string(p.param); });
 
-// GDCMJ2K_TextGBR and the lossy JPEG-LS files, that DCMTK cannot read, and one whose markers are broken: the picture
-// against what the test image is known to be, bars of red, green, blue... as in SC_rgb.dcm.
+// GDCMJ2K_TextGBR and the lossy JPEG-LS files, that DCMTK cannot read, and one whose markers are broken: the
+// picture against what the test image is known to be, bars of red, green, blue... as in SC_rgb.dcm.
 TEST(ColourPictures2, SamePictureWhateverTheCoding) {
   VERNIER_NEEDS_DATA("codec_small_singles");
   VERNIER_NEEDS_DATA("codec_emri_palette_planar");
@@ -165,7 +165,8 @@ TEST(ColourPictures2, SamePictureWhateverTheCoding) {
   for (const Shown& s : colourPictures("codec_small_singles")) {
     if (s.picture.width != 100 || s.picture.height != 100) continue;
     double sum = 0;
-    for (std::size_t n = 0; n < truth.pixels.size(); ++n) sum += std::abs(int(truth.pixels[n]) - int(s.picture.pixels[n]));
+    for (std::size_t n = 0; n < truth.pixels.size(); ++n)
+      sum += std::abs(int(truth.pixels[n]) - int(s.picture.pixels[n]));
     EXPECT_LT(sum / static_cast<double>(truth.pixels.size()), 3.0) << s.file;
     ++compared;
   }

@@ -148,9 +148,11 @@ TEST_P(InfoExpected, StoredValuesExtremaAndProbes) {
     if (want.contains("rgb_mean_dcmj2pnm")) {
       ASSERT_TRUE(got.contains("rgb_mean")) << got.dump();
       // YBR is never exact: their conversion is made of whole numbers.
-      const bool exact = !object->at("lossy").get<bool>() && o.value("photometric", "").starts_with("YBR") == false;
+      const bool exact =
+          !object->at("lossy").get<bool>() && o.value("photometric", "").starts_with("YBR") == false;
       for (std::size_t c = 0; c < 3; ++c)
-        EXPECT_NEAR(got["rgb_mean"][c].get<double>(), want["rgb_mean_dcmj2pnm"][c].get<double>(), exact ? 0.01 : 1.0);
+        EXPECT_NEAR(got["rgb_mean"][c].get<double>(), want["rgb_mean_dcmj2pnm"][c].get<double>(),
+                    exact ? 0.01 : 1.0);
     }
     if (!want.contains("stored_sha256_int32le")) continue;
     ASSERT_TRUE(got.contains("stored_sha256_int32le")) << got.dump();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures under presentation states: the combined LUT test against its PNG in every pixel; synthetic states against
-// dcmp2pgm (DCMTK's own display-consistency renderer) where that is here, and against what the standard says.
+// Pictures under presentation states: the combined LUT test against its PNG in every pixel; synthetic states
+// against dcmp2pgm (DCMTK's own display-consistency renderer) where that is here, and against what the
+// standard says.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -33,8 +34,8 @@ SessionOptions options() {
 }
 
 // Draws image 0 of the study under its presentation state; `error` takes the largest one measured.
-Result<Picture> drawn(Session& session, int width, int height, Interpolation interpolation, double* error = nullptr,
-                      std::vector<std::string>* notes = nullptr) {
+Result<Picture> drawn(Session& session, int width, int height, Interpolation interpolation,
+                      double* error = nullptr, std::vector<std::string>* notes = nullptr) {
   Scene scene;
   ImageLayer layer;
   layer.presentation = session.study().presentations.at(0).sopInstanceUid;
@@ -66,8 +67,7 @@ TEST(PresentationPicture, CombinedLutsEqualTheirPngInEveryPixel) {
     ASSERT_EQ(picture->width, expected->width);
     std::size_t differing = 0;
     for (int y = 0; y < 512; ++y)
-      for (int x = 0; x < 512; ++x)
-        differing += *picture->at(x, y) != *expected->at(x, y);
+      for (int x = 0; x < 512; ++x) differing += *picture->at(x, y) != *expected->at(x, y);
     EXPECT_EQ(differing, 0u);
   }
 }
@@ -116,7 +116,8 @@ PresentationFile stateWith(std::vector<std::string> set, const char* shape = "ID
            "InstanceNumber=1",
            "Manufacturer=",
            "ReferencedSeriesSequence[0].SeriesInstanceUID=2.25.1002",
-           "ReferencedSeriesSequence[0].ReferencedImageSequence[0].ReferencedSOPClassUID=1.2.840.10008.5.1.4.1.1.7",
+           "ReferencedSeriesSequence[0].ReferencedImageSequence[0].ReferencedSOPClassUID=1.2.840.10008.5.1.4."
+           "1.1.7",
            "ContentDescription=",
            "PresentationCreationDate=20000101",
            "PresentationCreationTime=120000",
@@ -133,9 +134,11 @@ PresentationFile stateWith(std::vector<std::string> set, const char* shape = "ID
 std::vector<std::string> presentationLut(std::size_t entries, unsigned bits) {
   std::vector<unsigned> values;
   for (std::size_t n = 0; n < entries; ++n)  // bent, so that a wrong entry is seen
-    values.push_back(static_cast<unsigned>(((1u << bits) - 1) * double(n * n) / double((entries - 1) * (entries - 1))));
-  return {"PresentationLUTSequence[0].LUTDescriptor=" + std::to_string(entries) + "\\0\\" + std::to_string(bits),
-          "PresentationLUTSequence[0].LUTData=" + lutWords(values)};
+    values.push_back(
+        static_cast<unsigned>(((1u << bits) - 1) * double(n * n) / double((entries - 1) * (entries - 1))));
+  return {
+      "PresentationLUTSequence[0].LUTDescriptor=" + std::to_string(entries) + "\\0\\" + std::to_string(bits),
+      "PresentationLUTSequence[0].LUTData=" + lutWords(values)};
 }
 
 std::vector<std::string> window(const char* center, const char* width) {
@@ -162,8 +165,8 @@ std::vector<std::uint8_t> readPgm(const std::filesystem::path& path, int& width,
   return in && magic == "P5" && most == 255 ? pixels : std::vector<std::uint8_t>();
 }
 
-void compareWithDcmp2pgm(const PresentationFile& state, const char* what, const char* photometric = "MONOCHROME2",
-                         int width = kColumns, int height = kRows) {
+void compareWithDcmp2pgm(const PresentationFile& state, const char* what,
+                         const char* photometric = "MONOCHROME2", int width = kColumns, int height = kRows) {
   SCOPED_TRACE(what);
   DicomSlice image;
   image.photometric = photometric;
@@ -195,15 +198,17 @@ TEST(PresentationPicture, AgreesWithDcmp2pgm) {
   }
   std::vector<unsigned> voi;
   for (unsigned n = 0; n < 300; ++n) voi.push_back(n * 7919 % 1024);
-  const std::vector<std::string> voiLut = {"SoftcopyVOILUTSequence[0].VOILUTSequence[0].LUTDescriptor=300\\50\\10",
-                                           "SoftcopyVOILUTSequence[0].VOILUTSequence[0].LUTData=" + lutWords(voi)};
+  const std::vector<std::string> voiLut = {
+      "SoftcopyVOILUTSequence[0].VOILUTSequence[0].LUTDescriptor=300\\50\\10",
+      "SoftcopyVOILUTSequence[0].VOILUTSequence[0].LUTData=" + lutWords(voi)};
   const std::vector<std::string> rescale = {"RescaleSlope=2", "RescaleIntercept=100", "RescaleType=US"};
   compareWithDcmp2pgm(stateWith({}), "identity");
   compareWithDcmp2pgm(stateWith(window("40", "1000")), "window");
   compareWithDcmp2pgm(stateWith(window("40", "1000"), "INVERSE"), "window, inverse");
   compareWithDcmp2pgm(stateWith(rescale + window("40", "3000")), "rescale, window");
   compareWithDcmp2pgm(stateWith(voiLut), "VOI LUT");
-  compareWithDcmp2pgm(stateWith(window("40", "1000") + presentationLut(256, 12), nullptr), "window, presentation LUT");
+  compareWithDcmp2pgm(stateWith(window("40", "1000") + presentationLut(256, 12), nullptr),
+                      "window, presentation LUT");
   compareWithDcmp2pgm(stateWith(voiLut + presentationLut(1024, 16), nullptr), "VOI LUT, presentation LUT");
   // The photometric interpretation counts no more.
   compareWithDcmp2pgm(stateWith(window("40", "1000")), "MONOCHROME1, identity", "MONOCHROME1");
@@ -211,8 +216,9 @@ TEST(PresentationPicture, AgreesWithDcmp2pgm) {
   for (const char* turn : {"0", "90", "180", "270"})
     for (const char* flip : {"N", "Y"}) {
       const bool turned = std::string(turn) == "90" || std::string(turn) == "270";
-      compareWithDcmp2pgm(stateWith(window("40", "1000") + std::vector<std::string>{std::string("ImageRotation=") + turn,
-                                                                                   std::string("ImageHorizontalFlip=") + flip}),
+      compareWithDcmp2pgm(stateWith(window("40", "1000") +
+                                    std::vector<std::string>{std::string("ImageRotation=") + turn,
+                                                             std::string("ImageHorizontalFlip=") + flip}),
                           turn, "MONOCHROME2", turned ? kRows : kColumns, turned ? kColumns : kRows);
     }
 }
@@ -227,7 +233,8 @@ TEST(PresentationPicture, ShuttersCoverWhatLiesOutside) {
     ASSERT_TRUE(p.ok()) << p.error().text();
     EXPECT_LT(error, 1e-5);
     for (int y = 0; y < kRows; ++y)
-      for (int x = 0; x < kColumns; ++x) ASSERT_EQ(*p->at(x, y), outside(x + 1, y + 1) ? 51 : 255) << x << "," << y;
+      for (int x = 0; x < kColumns; ++x)
+        ASSERT_EQ(*p->at(x, y), outside(x + 1, y + 1) ? 51 : 255) << x << "," << y;
   };
   const std::vector<std::string> rectangle = {"ShutterShape=RECTANGULAR", "ShutterLeftVerticalEdge=3",
                                               "ShutterRightVerticalEdge=9", "ShutterUpperHorizontalEdge=2",
@@ -239,7 +246,8 @@ TEST(PresentationPicture, ShuttersCoverWhatLiesOutside) {
   covered({"ShutterShape=POLYGONAL", "VerticesOfThePolygonalShutter=1\\1\\1\\13\\9\\1"},
           [](int c, int r) { return (c - 1) * 8 + (r - 1) * 12 > 96; });
   // Several shapes: what all of them leave.
-  std::vector<std::string> both = rectangle + std::vector<std::string>{"CenterOfCircularShutter=5\\7", "RadiusOfCircularShutter=4"};
+  std::vector<std::string> both =
+      rectangle + std::vector<std::string>{"CenterOfCircularShutter=5\\7", "RadiusOfCircularShutter=4"};
   both[0] = "ShutterShape=RECTANGULAR\\CIRCULAR";
   covered(both, [](int c, int r) {
     return c < 3 || c > 9 || r < 2 || r > 7 || (c - 7) * (c - 7) + (r - 5) * (r - 5) > 16;
@@ -249,8 +257,10 @@ TEST(PresentationPicture, ShuttersCoverWhatLiesOutside) {
 TEST(PresentationPicture, DisplayedAreaFillsThePicture) {
   PresentationFile state = stateWith(window("0", "4096"));
   for (std::string& s : state.set) {
-    if (s.find("TopLeftHandCorner") != std::string::npos) s = "DisplayedAreaSelectionSequence[0].DisplayedAreaTopLeftHandCorner=4\\3";
-    if (s.find("BottomRightHandCorner") != std::string::npos) s = "DisplayedAreaSelectionSequence[0].DisplayedAreaBottomRightHandCorner=7\\6";
+    if (s.find("TopLeftHandCorner") != std::string::npos)
+      s = "DisplayedAreaSelectionSequence[0].DisplayedAreaTopLeftHandCorner=4\\3";
+    if (s.find("BottomRightHandCorner") != std::string::npos)
+      s = "DisplayedAreaSelectionSequence[0].DisplayedAreaBottomRightHandCorner=7\\6";
   }
   const Study study(state);
   double error = 1;
@@ -263,13 +273,15 @@ TEST(PresentationPicture, DisplayedAreaFillsThePicture) {
     for (int x = 0; x < 8; ++x) EXPECT_EQ(*p->at(x, y), *whole->at(3 + x / 2, 2 + y / 2)) << x << "," << y;
 
   for (std::string& s : state.set)
-    if (s.find("PresentationSizeMode") != std::string::npos) s = "DisplayedAreaSelectionSequence[0].PresentationSizeMode=MAGNIFY";
+    if (s.find("PresentationSizeMode") != std::string::npos)
+      s = "DisplayedAreaSelectionSequence[0].PresentationSizeMode=MAGNIFY";
   state.set.push_back("DisplayedAreaSelectionSequence[0].PresentationPixelMagnificationRatio=3");
   const auto magnified = Study(state).draw(6, 6, &error);  // its middle 2 x 2 pixels
   ASSERT_TRUE(magnified.ok());
   EXPECT_LE(error, 0.01);
   for (int y = 0; y < 6; ++y)
-    for (int x = 0; x < 6; ++x) EXPECT_EQ(*magnified->at(x, y), *whole->at(4 + x / 3, 3 + y / 3)) << x << "," << y;
+    for (int x = 0; x < 6; ++x)
+      EXPECT_EQ(*magnified->at(x, y), *whole->at(4 + x / 3, 3 + y / 3)) << x << "," << y;
 }
 
 TEST(PresentationPicture, WhatIsNotAppliedIsSaid) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Extreme cases B14 (one inversion in all) and B15 (palette faults), from files to the picture; and slices of colour
-// volumes against the double reference.
+// Extreme cases B14 (one inversion in all) and B15 (palette faults), from files to the picture; and slices of
+// colour volumes against the double reference.
 #include <cmath>
 
 #include "MakeDicom.h"
@@ -74,7 +74,8 @@ Shown shownOf(const DicomSlice& image, const std::optional<PresentationFile>& st
   Shown out;
   if (!drawn) return out;
   for (int x = 0; x < image.columns; ++x)
-    out.levels.push_back(255.0 * static_cast<double>(drawn->frame.images.colour[static_cast<std::size_t>(4 * x)]));
+    out.levels.push_back(255.0 *
+                         static_cast<double>(drawn->frame.images.colour[static_cast<std::size_t>(4 * x)]));
   const auto error = quality::measureError(drawn->frame, scene, view, sources, {});
   EXPECT_TRUE(error.ok());
   if (error) out.error = error->max;
@@ -97,20 +98,23 @@ TEST(B14, OneInversionInAll) {
       {"MONOCHROME2", "INVERSE", false, "", false, true},
       {"MONOCHROME2", "IDENTITY", true, "", false, true},
       {"MONOCHROME1", "INVERSE", true, "", false, false},  // a VOI LUT that descends is undone by MONOCHROME1
-      {"MONOCHROME1", "INVERSE", false, "IDENTITY", false, false},  // a presentation state overrides the image
+      {"MONOCHROME1", "INVERSE", false, "IDENTITY", false,
+       false},  // a presentation state overrides the image
       {"MONOCHROME1", "INVERSE", false, "INVERSE", false, true},
       {"MONOCHROME1", "INVERSE", false, "IDENTITY", true, true},
       {"MONOCHROME1", "INVERSE", false, "INVERSE", true, false},
       {"MONOCHROME1", "INVERSE", false, "LUT", false, true},
       {"MONOCHROME2", "", false, "LUT", true, false},
-      {"MONOCHROME1", "INVERSE", true, "LUT", true, false}};  // the layer asks for the image's LUT: it replaces the state's
+      {"MONOCHROME1", "INVERSE", true, "LUT", true,
+       false}};  // the layer asks for the image's LUT: it replaces the state's
   for (const Row& row : rows) {
-    SCOPED_TRACE(std::string(row.photometric) + " " + row.ownShape + (row.ownLut ? " own LUT" : "") + " state " +
-                 row.state + (row.stateLut ? " VOI LUT" : ""));
+    SCOPED_TRACE(std::string(row.photometric) + " " + row.ownShape + (row.ownLut ? " own LUT" : "") +
+                 " state " + row.state + (row.stateLut ? " VOI LUT" : ""));
     DicomSlice image = rampSlice();
     image.photometric = row.photometric;
     if (*row.ownShape) image.set.push_back({"2050,0020", row.ownShape});
-    image.sequences = {"VOILUTSequence[0].LUTDescriptor=256\\0\\8", "VOILUTSequence[0].LUTData=" + descending()};
+    image.sequences = {"VOILUTSequence[0].LUTDescriptor=256\\0\\8",
+                       "VOILUTSequence[0].LUTData=" + descending()};
     std::optional<PresentationFile> state;
     if (*row.state) {
       state.emplace();
@@ -153,7 +157,9 @@ TEST(B15, AnIndexPastThePaletteTakesItsEnd) {
   ASSERT_EQ(shown.levels.size(), 256u);
   EXPECT_LE(shown.error, 1e-4);
   for (int n = 0; n < 256; ++n)
-    ASSERT_NEAR(shown.levels[static_cast<std::size_t>(n)], (65535 - 300 * std::clamp(n - 20, 0, 99)) / 257.0, 1e-3) << n;
+    ASSERT_NEAR(shown.levels[static_cast<std::size_t>(n)], (65535 - 300 * std::clamp(n - 20, 0, 99)) / 257.0,
+                1e-3)
+        << n;
 }
 
 TEST(B15, ADescriptorOfZeroMeans65536Entries) {
@@ -178,12 +184,15 @@ TEST(B15, CountsThatLieAreRefusedWithASentence) {
     EXPECT_TRUE(set->series[0].stacks.empty());
   };
   refused(paletteSlice({256, 0, 16}, 100));
-  refused(paletteSlice({0, 0, 16}, 100));    // 65536 declared
-  refused(paletteSlice({256, 0, 0}, 256));   // entries of no bits
+  refused(paletteSlice({0, 0, 16}, 100));   // 65536 declared
+  refused(paletteSlice({256, 0, 0}, 256));  // entries of no bits
   refused(paletteSlice({256, 0, 33}, 256));
-  for (const std::vector<std::uint16_t>& segments :
-       {std::vector<std::uint16_t>{0, 300, 1, 2}, {1, 256, 9}, {0, 1, 5, 2, 9, 0, 0}, {0, 1, 5, 2, 0xFFFF, 0xFFFF, 0xFFFF},
-        {7, 256, 1}, {0, 1, 5, 1, 0xFFFF, 9}}) {
+  for (const std::vector<std::uint16_t>& segments : {std::vector<std::uint16_t>{0, 300, 1, 2},
+                                                     {1, 256, 9},
+                                                     {0, 1, 5, 2, 9, 0, 0},
+                                                     {0, 1, 5, 2, 0xFFFF, 0xFFFF, 0xFFFF},
+                                                     {7, 256, 1},
+                                                     {0, 1, 5, 1, 0xFFFF, 9}}) {
     DicomSlice s = paletteSlice({256, 0, 16}, 1);
     for (auto& [tag, words] : s.words)
       if (tag.starts_with("0028,120")) {
@@ -220,7 +229,9 @@ TEST(ColourSlice, MeetsTheReferenceChannelByChannel) {
           SliceLayer layer;
           layer.source = "v";
           layer.interpolation = interpolation;
-          layer.slab = {slab_mm, seed % 3 == 0 ? SlabMode::Max : seed % 3 == 1 ? SlabMode::Mean : SlabMode::Min};
+          layer.slab = {slab_mm, seed % 3 == 0   ? SlabMode::Max
+                                 : seed % 3 == 1 ? SlabMode::Mean
+                                                 : SlabMode::Min};
           layer.plane.normal = PatientVec(unit(0), unit(1), unit(2));
           layer.plane.up = PatientVec(unit(3), unit(4), unit(5));
           layer.plane.point = sources.volumes["v"]->grid().centre();
@@ -289,7 +300,8 @@ TEST(ColourSlice, OnlyWhatDrawsColoursIsTaken) {
   for (const Technique* t : host.registry.drawing("slice")) {
     if (t->engine != Engine::Gl) continue;
     bool said = false;
-    for (const Rejected& r : plan->rejected) said |= r.what == t->name && r.why.find("grey volumes only") != std::string::npos;
+    for (const Rejected& r : plan->rejected)
+      said |= r.what == t->name && r.why.find("grey volumes only") != std::string::npos;
     EXPECT_TRUE(said || !host.capabilities.gl) << t->name;
   }
 }

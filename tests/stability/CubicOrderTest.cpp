@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How fast interpolation converges to a smooth field when the voxels shrink: linear with the second power of the
-// spacing, cubic with the third (Keys 1981). And what cubic does at a sharp edge.
+// How fast interpolation converges to a smooth field when the voxels shrink: linear with the second power of
+// the spacing, cubic with the third (Keys 1981). And what cubic does at a sharp edge.
 #include <cmath>
 
 #include "../unit/volume/Grids.h"
@@ -24,7 +24,8 @@ std::shared_ptr<const Volume> sampledAt(double spacing_mm) {
   for (std::int64_t k = 0; k < n; ++k)
     for (std::int64_t j = 0; j < n; ++j)
       for (std::int64_t i = 0; i < n; ++i)
-        values.push_back(static_cast<float>(gaussian((g.patientFromVoxel * VoxelPoint(glm::dvec3(i, j, k))).p)));
+        values.push_back(
+            static_cast<float>(gaussian((g.patientFromVoxel * VoxelPoint(glm::dvec3(i, j, k))).p)));
   VolumeInfo info;
   info.grid = g;
   return volumeOf<float>(std::move(info), values);
@@ -49,7 +50,8 @@ double rmsError(double spacing_mm, Interpolation interpolation) {
   double sum = 0;
   for (int y = 0; y < 96; ++y)
     for (int x = 0; x < 96; ++x) {
-      const double truth = gaussian((picture->origin + (x + 0.5) * picture->right + (y + 0.5) * picture->down).p);
+      const double truth =
+          gaussian((picture->origin + (x + 0.5) * picture->right + (y + 0.5) * picture->down).p);
       const double e = valueOf(*r, x, y) - truth;
       sum += e * e;
     }
@@ -64,8 +66,8 @@ TEST(F1_OrderOfInterpolation, LinearIsSecondCubicIsThird) {
     for (const double spacing : spacings) {
       const double rms = rmsError(spacing, how);
       const double order = last > 0 ? std::log2(last / rms) : 0;
-      std::printf("%s, voxels of sigma / %.0f: RMS %.4g of a peak of 1000, order %.2f\n", cubic ? "cubic" : "linear",
-                  kSigma_mm / spacing, rms, order);
+      std::printf("%s, voxels of sigma / %.0f: RMS %.4g of a peak of 1000, order %.2f\n",
+                  cubic ? "cubic" : "linear", kSigma_mm / spacing, rms, order);
       if (last > 0) {
         EXPECT_NEAR(order, cubic ? 3.0 : 2.0, cubic ? 0.6 : 0.15) << spacing;
       }

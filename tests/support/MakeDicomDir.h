@@ -24,7 +24,8 @@ inline std::string dicomDirBytes(const std::vector<std::string>& fileIds) {
     items += number(0xfffe, 2) + number(0xe000, 2) + number(record.size(), 4) + record;
   }
   const std::string meta = element(0x00020002, "UI", "1.2.840.10008.1.3.10") +
-                           element(0x00020003, "UI", "2.25.77") + element(0x00020010, "UI", "1.2.840.10008.1.2.1");
+                           element(0x00020003, "UI", "2.25.77") +
+                           element(0x00020010, "UI", "1.2.840.10008.1.2.1");
   return std::string(128, '\0') + "DICM" + element(0x00020000, "UL", number(meta.size(), 4)) + meta +
          number(4, 2) + number(0x1220, 2) + "SQ" + number(0, 2) + number(items.size(), 4) + items;
 }

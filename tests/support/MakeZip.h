@@ -50,8 +50,10 @@ inline std::string zipBytes(const std::vector<ZipEntry>& entries) {
     put(common, e.encrypted ? 0x801 : 0x800, 2);
     put(common, e.deflate ? 8 : 0, 2);
     put(common, 0x5a210000, 4);
-    put(common, e.saysCrc.value_or(static_cast<std::uint32_t>(
-                    crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())))), 4);
+    put(common,
+        e.saysCrc.value_or(static_cast<std::uint32_t>(
+            crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())))),
+        4);
     put(common, packed.size(), 4);
     put(common, e.saysBytes.value_or(static_cast<std::uint32_t>(bytes.size())), 4);
     put(common, e.name.size(), 2);

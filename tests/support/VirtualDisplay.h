@@ -21,8 +21,8 @@ class VirtualDisplay {
       ::prctl(PR_SET_PDEATHSIG, SIGTERM);
       ::close(fds[0]);
       const std::string fd = std::to_string(fds[1]);
-      ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", screen.c_str(), "-nolisten", "tcp", "-noreset",
-               nullptr);
+      ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", screen.c_str(), "-nolisten", "tcp",
+               "-noreset", nullptr);
       ::_exit(127);
     }
     ::close(fds[1]);

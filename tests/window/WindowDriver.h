@@ -60,8 +60,8 @@ class WindowDriver {
     button(b, true);
     button(b, false);
   }
-  // Frames of a software renderer on a busy machine are slow: the two clicks may be far apart in time. Two double clicks
-  // must be some pixels apart, else the third click belongs to the first two.
+  // Frames of a software renderer on a busy machine are slow: the two clicks may be far apart in time. Two
+  // double clicks must be some pixels apart, else the third click belongs to the first two.
   void doubleClick(double x, double y) {
     ImGui::GetIO().MouseDoubleClickTime = 10;
     click(x, y);

@@ -13,7 +13,8 @@ namespace {
 using test::WindowDriver;
 
 std::string smallStudy(const vernier::test::TempDir& dir) {
-  const auto run = vernier::test::runProgram({VERNIER_PROGRAM, "phantom", "small-ct", "--out", (dir.path() / "study").string()}, 60);
+  const auto run = vernier::test::runProgram(
+      {VERNIER_PROGRAM, "phantom", "small-ct", "--out", (dir.path() / "study").string()}, 60);
   EXPECT_EQ(run.exitCode, 0) << run.err;
   return (dir.path() / "study" / "small-ct").string();
 }
@@ -94,7 +95,8 @@ TEST(Window, WithoutADisplayItIsOneSentence) {
   EXPECT_EQ(run.exitCode, exitCode(ErrorCode::WindowUnavailable));
   EXPECT_EQ(run.lines(run.err), 1) << run.err;
   EXPECT_NE(run.err.find("display"), std::string::npos) << run.err;
-  const auto doctor = vernier::test::runProgram({VERNIER_PROGRAM, "doctor"}, 30, {"DISPLAY=", "WAYLAND_DISPLAY="});
+  const auto doctor =
+      vernier::test::runProgram({VERNIER_PROGRAM, "doctor"}, 30, {"DISPLAY=", "WAYLAND_DISPLAY="});
   EXPECT_EQ(doctor.exitCode, 0);
   const std::string sentence = run.err.substr(run.err.find("window: ") + 8);
   EXPECT_NE(doctor.out.find(sentence.substr(0, sentence.size() - 1)), std::string::npos) << doctor.out;

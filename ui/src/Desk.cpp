@@ -48,7 +48,8 @@ void Desk::ensureKnown(const SourceId& id) {
     }
     return;
   }
-  if (const auto choice = d->session->choose(id.name)) workspace_.know(factsOf(*d->session, *choice, id.document));
+  if (const auto choice = d->session->choose(id.name))
+    workspace_.know(factsOf(*d->session, *choice, id.document));
 }
 
 void Desk::openSource(const SourceId& id, int tile) {
@@ -60,7 +61,9 @@ void Desk::openSource(const SourceId& id, int tile) {
 
 std::vector<SourceId> Desk::timePoints(const SourceId& id) const {
   const Document* d = document(id.document);
-  const auto choice = d && !d->session->isVolumeFile() ? d->session->choose(id.name) : Result<app::StackChoice>(makeError(ErrorCode::SeriesNotFound, ""));
+  const auto choice = d && !d->session->isVolumeFile()
+                          ? d->session->choose(id.name)
+                          : Result<app::StackChoice>(makeError(ErrorCode::SeriesNotFound, ""));
   if (!choice) return {};
   const Series& series = *d->session->seriesOf(*choice);
   const std::size_t count = series.stacks[choice->stack].slices.size();
@@ -79,7 +82,8 @@ void Desk::stepTime(int tile, int notches) {
   const auto at = std::find(all.begin(), all.end(), now);
   if (at == all.end()) return;
   const auto last = static_cast<std::ptrdiff_t>(all.size()) - 1;
-  const SourceId& next = all[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(at - all.begin() + notches, 0, last))];
+  const SourceId& next =
+      all[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(at - all.begin() + notches, 0, last))];
   ensureKnown(next);
   workspace_.replaceSource(tile, next);
 }
@@ -115,9 +119,9 @@ std::optional<Place> Desk::placeOfTile(int t) const {
 }
 
 void Desk::opened(Opened o) {
-  const std::string title = o.paths.size() == 1 ? lastPart(o.paths[0])
-                                                : lastPart(o.paths[0]) + " and " +
-                                                      std::to_string(o.paths.size() - 1) + " more";
+  const std::string title =
+      o.paths.size() == 1 ? lastPart(o.paths[0])
+                          : lastPart(o.paths[0]) + " and " + std::to_string(o.paths.size() - 1) + " more";
   if (o.error) {
     if (o.error->code != ErrorCode::Cancelled) messages_.push_back(title + ": " + o.error->sentence);
     return;
@@ -193,7 +197,8 @@ void Desk::postTile(int t, bool onScreen) {
     return;
   }
   const bool same = posted && posted->scene == tile.scene && posted->scale == scale_ &&
-                    posted->view.width_px == shown.view.width_px && posted->view.height_px == shown.view.height_px;
+                    posted->view.width_px == shown.view.width_px &&
+                    posted->view.height_px == shown.view.height_px;
   if (same) return;
   posted = Posted{++generation_, tile.scene, shown.view, tile.source, scale_};
   render_.post({t, posted->generation, d->session, tile.scene, shown.view, scale_});

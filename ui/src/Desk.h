@@ -21,7 +21,7 @@ struct Document {
 
 // What the tile shows now.
 struct TileView {
-  View view;                              // size wanted, px; 0 x 0 while the tile is not on screen
+  View view;                               // size wanted, px; 0 x 0 while the tile is not on screen
   std::optional<FinishedPicture> picture;  // the newest; may be of an older scene
   std::uint64_t pictureNumber = 0;         // counts pictures, for textures
   std::optional<Place> place;              // of `picture`

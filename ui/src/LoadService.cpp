@@ -123,21 +123,25 @@ void LoadService::run(const Job& job, std::stop_token stop) {
   };
   if (job.kind == Kind::Open) {
     Opened opened{job.source.document, job.paths, std::make_shared<app::Session>(options_), {}};
-    if (const Result<void> done =
-            guarded("open", [&]() -> Result<void> {
-              if (auto ok = opened.session->open(job.paths, progress, stop); !ok) return ok;
-              // A volume file alone is shown at once; its voxels are loaded here, in the background.
-              if (!opened.session->isVolumeFile()) return {};
-              const auto volume = opened.session->volume("", progress, stop);
-              return volume ? Result<void>{} : volume.error();
-            });
+    if (const Result<void> done = guarded("open",
+                                          [&]() -> Result<void> {
+                                            if (auto ok = opened.session->open(job.paths, progress, stop);
+                                                !ok)
+                                              return ok;
+                                            // A volume file alone is shown at once; its voxels are loaded
+                                            // here, in the background.
+                                            if (!opened.session->isVolumeFile()) return {};
+                                            const auto volume = opened.session->volume("", progress, stop);
+                                            return volume ? Result<void>{} : volume.error();
+                                          });
         !done)
       opened.error = done.error(), opened.session.reset();
     const std::lock_guard lock(mutex_);
     ready_.opened.push_back(std::move(opened));
   } else if (job.kind == Kind::Volume) {
     BuiltVolume built{job.source, nullptr, {}};
-    const auto volume = guarded("volume", [&] { return job.session->volume(job.source.name, progress, stop); });
+    const auto volume =
+        guarded("volume", [&] { return job.session->volume(job.source.name, progress, stop); });
     if (volume)
       built.volume = *volume;
     else

@@ -36,12 +36,12 @@ std::string rescaled(double stored, const ModalityRescale& r) {
   std::string s = "stored " + value(stored);
   if (r.slope == 1 && r.intercept == 0) return s;
   s += " \xC3\x97 " + value(r.slope);
-  if (r.intercept != 0)
-    s += (r.intercept < 0 ? " \xE2\x88\x92 " : " + ") + value(std::abs(r.intercept));
+  if (r.intercept != 0) s += (r.intercept < 0 ? " \xE2\x88\x92 " : " + ") + value(std::abs(r.intercept));
   return s;
 }
 
-Place imagePlace(const ImageLayer& layer, const Camera& camera, const View& view, const ImageFrameInfo& info) {
+Place imagePlace(const ImageLayer& layer, const Camera& camera, const View& view,
+                 const ImageFrameInfo& info) {
   Place p;
   p.image = imagePicture(layer, camera, view, info);
   const ImagePicture& i = *p.image;
@@ -141,13 +141,14 @@ Probe probeImage(const Place& place, const ImageFrame& frame, const SourceFacts&
   p.value = frame.isNoData(stored) ? "no data (padding)" : withUnit(frame.modality(i, j), info.unit);
   p.origin = info.modalityLut ? "stored " + value(stored) + " through the modality LUT"
                               : rescaled(stored, info.rescale);
-  p.origin += ", " + facts.files[static_cast<std::size_t>(info.index)] + ", row " + std::to_string(j) + ", column " +
-              std::to_string(i);
+  p.origin += ", " + facts.files[static_cast<std::size_t>(info.index)] + ", row " + std::to_string(j) +
+              ", column " + std::to_string(i);
   if (place.inPatient) p.place = placeText(place.patientAt(px));
   return p;
 }
 
-Probe probeVolume(const Place& place, const Volume& volume, const SourceFacts& facts, glm::dvec2 px, bool slab) {
+Probe probeVolume(const Place& place, const Volume& volume, const SourceFacts& facts, glm::dvec2 px,
+                  bool slab) {
   const PatientPoint at = place.patientAt(px);
   Probe p;
   p.place = placeText(at);
@@ -162,11 +163,12 @@ Probe probeVolume(const Place& place, const Volume& volume, const SourceFacts& f
   const std::string& unit = volume.info().unit;
   p.value = here ? withUnit(std::round(*here * 100) / 100, unit) + " interpolated" : "no data (padding)";
   const OriginalVoxels* original = volume.original();
-  const ModalityRescale& r = original ? original->rescale[static_cast<std::size_t>(nearest->k)]
-                                      : volume.rescaleOf(nearest->k);
-  p.origin = "nearest voxel " + withUnit(nearest->modality, unit) + ", " +
-             (original && original->throughLut ? "stored " + value(nearest->stored) + " through the modality LUT"
-                                               : rescaled(nearest->stored, r));
+  const ModalityRescale& r =
+      original ? original->rescale[static_cast<std::size_t>(nearest->k)] : volume.rescaleOf(nearest->k);
+  p.origin =
+      "nearest voxel " + withUnit(nearest->modality, unit) + ", " +
+      (original && original->throughLut ? "stored " + value(nearest->stored) + " through the modality LUT"
+                                        : rescaled(nearest->stored, r));
   if (!facts.files.empty()) p.origin += ", " + facts.files[imageOfSlice(volume, facts, nearest->k)];
   p.origin += ", row " + std::to_string(nearest->j) + ", column " + std::to_string(nearest->i);
   return p;

@@ -36,9 +36,9 @@ std::optional<PixelLine> crossing(const Place& picture, const Place& other, cons
 
 // What stands in the status line for the pixel under the pointer, from stored values in double.
 struct Probe {
-  std::string value;    // "-12 HU", "no data", "outside the image"
-  std::string origin;   // "stored 1012 x 1 - 1024, slice3.dcm, row 120, column 230"
-  std::string place;    // "L 12.3  P 4.5  S 100.0 mm"
+  std::string value;   // "-12 HU", "no data", "outside the image"
+  std::string origin;  // "stored 1012 x 1 - 1024, slice3.dcm, row 120, column 230"
+  std::string place;   // "L 12.3  P 4.5  S 100.0 mm"
 };
 Probe probeImage(const Place&, const ImageFrame&, const SourceFacts&, glm::dvec2 px);
 Probe probeVolume(const Place&, const Volume&, const SourceFacts&, glm::dvec2 px, bool slab);

@@ -2,7 +2,8 @@
 // RenderService: one thread that turns scenes into finished 8-bit pictures. The window posts a snapshot with
 // a generation number for each tile; the newest wins and older ones are dropped. While requests come, drafts
 // are drawn without measuring; when none has come for kIdle_ms, tiles are drawn again at review quality with
-// their measured error, which the next request cancels. Never more than one finished picture waits for a tile.
+// their measured error, which the next request cancels. Never more than one finished picture waits for a
+// tile.
 //
 // Threads: all public functions from any thread. `wake` is called from the service's thread whenever a
 // picture is ready.
@@ -64,7 +65,7 @@ class RenderService {
   void post(RenderRequest);
   void forget(int tile);  // drops what waits for the tile and what it shows
   std::vector<FinishedPicture> take();
-  bool idle() const;  // nothing waits, runs or is to be refined
+  bool idle() const;            // nothing waits, runs or is to be refined
   std::uint64_t drawn() const;  // drafts and refinements finished so far
 
  private:

@@ -76,7 +76,8 @@ SourceFacts factsOf(const app::Session& session, app::StackChoice choice, int do
     id = p->id, issuer = p->issuer;
   }
   const std::string& frame = set.instances[stack.slices.front().instance].frameOfReferenceUid;
-  f.linkKey = frame.empty() ? joined({"source", std::to_string(document), f.id.name}) : joined({"frame", frame, id, issuer});
+  f.linkKey = frame.empty() ? joined({"source", std::to_string(document), f.id.name})
+                            : joined({"frame", frame, id, issuer});
   return f;
 }
 

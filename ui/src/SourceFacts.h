@@ -20,9 +20,9 @@ struct SourceId {
 
 struct SourceFacts {
   SourceId id;
-  std::string title;     // series description, for the screen
+  std::string title;  // series description, for the screen
   std::string modality;
-  std::string patient;   // name as shown
+  std::string patient;  // name as shown
   // Coordinates are shared only between sources with equal keys: frame of reference and patient.
   std::string linkKey;
   // Of one person only when equal: id, issuer, birth date and sex.

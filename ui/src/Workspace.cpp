@@ -111,7 +111,8 @@ void Workspace::open(const SourceId& source, int t) {
   Arrangement& a = edit(Gesture::Open, t);
   at(t) = {source, view, std::move(*scene)};
   a.active = t;
-  if (const SliceLayer* slice = sliceOf(at(t).scene)) a.crosshairs.try_emplace(f->linkKey, slice->plane.point);
+  if (const SliceLayer* slice = sliceOf(at(t).scene))
+    a.crosshairs.try_emplace(f->linkKey, slice->plane.point);
 }
 
 void Workspace::setLayout(Layout layout) {
@@ -131,7 +132,8 @@ void Workspace::openStack() {
   if (!f || f->isVolumeFile || tile(now_.active).view == "stack") return setLayout(Layout::Single);
   const SliceLayer* slice = sliceOf(tile(now_.active).scene);
   Scene scene = stackScene(f->id.name, f->count() / 2, {});
-  if (const auto p = crosshair(now_.active)) std::get<ImageLayer>(scene.layers[0]).index = nearestImage(*f, *p).value_or(f->count() / 2);
+  if (const auto p = crosshair(now_.active))
+    std::get<ImageLayer>(scene.layers[0]).index = nearestImage(*f, *p).value_or(f->count() / 2);
   if (slice && slice->window) scene = withWindow(std::move(scene), *slice->window);
   Arrangement& a = edit(Gesture::Layout, -1);
   a.layout = Layout::Single;
@@ -348,7 +350,8 @@ std::vector<WindowChoice> windowChoices(const WindowFacts& f) {
   }
   number = 0;
   for (const LutTable& lut : f.voiLuts) {
-    out.push_back({lut.explanation.empty() ? "File LUT " + std::to_string(number + 1) : lut.explanation, {}, number});
+    out.push_back(
+        {lut.explanation.empty() ? "File LUT " + std::to_string(number + 1) : lut.explanation, {}, number});
     ++number;
   }
   if (usableWindow(f.automatic)) out.push_back({"Automatic", f.automatic, {}});

@@ -21,8 +21,8 @@ enum class Layout { Single, Pair, Quad };
 constexpr int tilesOf(Layout l) { return l == Layout::Single ? 1 : l == Layout::Pair ? 2 : 4; }
 
 struct Tile {
-  SourceId source;    // document -1: empty
-  std::string view;   // "stack", "axial", "coronal", "sagittal", "oblique"
+  SourceId source;   // document -1: empty
+  std::string view;  // "stack", "axial", "coronal", "sagittal", "oblique"
   Scene scene;
   bool empty() const { return source.document < 0; }
   friend bool operator==(const Tile&, const Tile&) = default;

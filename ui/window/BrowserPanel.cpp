@@ -9,8 +9,8 @@ namespace {
 
 constexpr float kThumb = 60;
 constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                                    ImGuiWindowFlags_NoNav;
+                                    ImGuiWindowFlags_NoSavedSettings |
+                                    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav;
 
 // "20240131" as "2024-01-31"; anything else as it stands.
 std::string shownDate(const std::string& da) {
@@ -72,7 +72,8 @@ void Gui::browser(Rect r) {
   }
   if (desk_.documents().empty()) {
     ImGui::PushTextWrapPos(0);
-    ImGui::TextDisabled("No study is open. Drop a folder of DICOM files, or volume files, anywhere on the window.");
+    ImGui::TextDisabled(
+        "No study is open. Drop a folder of DICOM files, or volume files, anywhere on the window.");
     ImGui::PopTextWrapPos();
   }
   ImGui::EndChild();
@@ -95,8 +96,9 @@ void Gui::document(Document& d) {
     ImGui::TextUnformatted(name.empty() ? "No name" : name.c_str());
     ImGui::PopFont();
     ImGui::PushFont(theme_.small);
-    const std::string about =
-        joined({p.id.empty() ? "no ID" : "ID " + p.id, p.birthDate.empty() ? "" : "born " + shownDate(p.birthDate), p.sex}, "   ");
+    const std::string about = joined({p.id.empty() ? "no ID" : "ID " + p.id,
+                                      p.birthDate.empty() ? "" : "born " + shownDate(p.birthDate), p.sex},
+                                     "   ");
     ImGui::TextDisabled("%s", about.c_str());
     ImGui::PopFont();
     for (const std::size_t st : p.studies) {
@@ -107,13 +109,21 @@ void Gui::document(Document& d) {
         const Series& series = set.series[s];
         if (series.stacks.empty()) {
           ImGui::PushFont(theme_.small);
-          ImGui::TextDisabled("%s", joined({series.modality, series.description, counted(series.instances.size(), "object") + ", not shown"}, "  ").c_str());
+          ImGui::TextDisabled("%s", joined({series.modality, series.description,
+                                            counted(series.instances.size(), "object") + ", not shown"},
+                                           "  ")
+                                        .c_str());
           ImGui::PopFont();
         }
         for (std::size_t k = 0; k < series.stacks.size(); ++k) {
           const Stack& stack = series.stacks[k];
-          const std::string title = joined({series.description.empty() ? "Series " + (series.number ? std::to_string(*series.number) : "without number") : series.description}, "");
-          const std::string rows = joined({series.modality, counted(stack.slices.size(), "image"), stack.label}, "  ");
+          const std::string title =
+              joined({series.description.empty()
+                          ? "Series " + (series.number ? std::to_string(*series.number) : "without number")
+                          : series.description},
+                     "");
+          const std::string rows =
+              joined({series.modality, counted(stack.slices.size(), "image"), stack.label}, "  ");
           stackRow(d, series, stack, {d.number, d.session->sourceName({s, k})}, title, rows);
         }
       }
@@ -136,7 +146,8 @@ void Gui::stackRow(Document& d, const Series& series, const Stack& stack, const 
     active = active || t == w.now().active;
   }
   ImGui::PushStyleColor(ImGuiCol_Header, active ? colour::kAccentDark : colour::kRaised);
-  const bool clicked = ImGui::Selectable("##row", shown, ImGuiSelectableFlags_AllowDoubleClick, {width, size + theme_.px(6)});
+  const bool clicked =
+      ImGui::Selectable("##row", shown, ImGuiSelectableFlags_AllowDoubleClick, {width, size + theme_.px(6)});
   ImGui::PopStyleColor();
   if (clicked && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) desk_.openSource(source, w.now().active);
   const bool hovered = ImGui::IsItemHovered();
@@ -154,7 +165,8 @@ void Gui::stackRow(Document& d, const Series& series, const Stack& stack, const 
     const ImVec2 a{at.x + pad, at.y + pad}, b{a.x + size, a.y + size};
     draw->AddRectFilled(a, b, colour::kImage, theme_.px(2));
     if (const auto it = d.thumbnails.find(source); it != d.thumbnails.end())
-      if (const auto texture = textures_.get("thumb" + std::to_string(source.document) + source.name, 1, it->second))
+      if (const auto texture =
+              textures_.get("thumb" + std::to_string(source.document) + source.name, 1, it->second))
         draw->AddImage(reinterpret_cast<ImTextureID>(texture), a, b);
     const float x = b.x + theme_.px(9);
     const float line = theme_.body->FontSize, small = theme_.small->FontSize;

@@ -30,9 +30,9 @@ constexpr Binding kBindings[] = {
     {"Ctrl+Q", "quits"},
 };
 
-constexpr ImGuiWindowFlags kDialog = ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
-                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize |
-                                     ImGuiWindowFlags_NoTitleBar;
+constexpr ImGuiWindowFlags kDialog = ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
+                                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar;
 
 void centred() {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -84,10 +84,12 @@ void Gui::notice() {
   ImGui::PopFont();
   ImGui::Dummy({0, theme_.px(2)});
   ImGui::PushTextWrapPos(theme_.px(440));
-  ImGui::TextUnformatted("It is made for review, for planning and for checking images. It is not for primary diagnosis.");
+  ImGui::TextUnformatted(
+      "It is made for review, for planning and for checking images. It is not for primary diagnosis.");
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, theme_.px(8)});
-  if (ImGui::Button("Understood", {theme_.px(120), 0}) || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false)) {
+  if (ImGui::Button("Understood", {theme_.px(120), 0}) ||
+      ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false)) {
     notice_ = false;
     if (noticeAccepted_) noticeAccepted_();
   }

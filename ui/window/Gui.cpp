@@ -11,8 +11,8 @@ namespace {
 constexpr float kTopBar = 46, kStatusBar = 28, kBrowser = 296, kOneRow = 1200;
 
 constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                                    ImGuiWindowFlags_NoNav;
+                                    ImGuiWindowFlags_NoSavedSettings |
+                                    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav;
 
 bool pressed(int key) { return ImGui::IsKeyPressed(key, false); }
 
@@ -139,7 +139,8 @@ void Gui::windowMenu() {
       std::string label = c.name;
       if (number <= 9) label += "   " + std::to_string(number);
       if (ImGui::Selectable((label + "##" + std::to_string(number)).c_str())) w.choose(active, c);
-      if (c.window && ImGui::IsItemHovered()) ImGui::SetTooltip("C %g  W %g", c.window->center, c.window->width);
+      if (c.window && ImGui::IsItemHovered())
+        ImGui::SetTooltip("C %g  W %g", c.window->center, c.window->width);
     }
   } else {
     ImGui::TextDisabled("No picture yet");
@@ -181,7 +182,8 @@ void Gui::topBar(Rect r, bool twoRows) {
   ImGui::TextUnformatted("Vernier");
   ImGui::PopFont();
   ImGui::SameLine(0, group);
-  if (toggle("Studies", browserShown_, "Shows or hides the list of studies (Ctrl+B)")) browserShown_ = !browserShown_;
+  if (toggle("Studies", browserShown_, "Shows or hides the list of studies (Ctrl+B)"))
+    browserShown_ = !browserShown_;
   ImGui::SameLine(0, group);
   layoutButtons();
   ImGui::SameLine(0, group);

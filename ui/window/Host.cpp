@@ -11,7 +11,9 @@
 namespace vernier::ui {
 namespace {
 
-Error unavailable(const std::string& sentence) { return makeError(ErrorCode::WindowUnavailable, sentence, "window"); }
+Error unavailable(const std::string& sentence) {
+  return makeError(ErrorCode::WindowUnavailable, sentence, "window");
+}
 
 std::string reason() {
   const char* text = nullptr;
@@ -56,7 +58,8 @@ Result<void> Host::openWindow(const HostOptions& o) {
   glfwSetErrorCallback(nullptr);
   if (!glfwInit()) {
     const bool none = !std::getenv("DISPLAY") && !std::getenv("WAYLAND_DISPLAY");
-    return unavailable((none ? std::string("There is no display (DISPLAY is not set)") : "No display could be opened (" + reason() + ")") +
+    return unavailable((none ? std::string("There is no display (DISPLAY is not set)")
+                             : "No display could be opened (" + reason() + ")") +
                        "; `vernier render` and `vernier sheet` make pictures without one.");
   }
   glfw_ = true;
@@ -71,31 +74,47 @@ Result<void> Host::openWindow(const HostOptions& o) {
   if (GLFWmonitor* m = glfwGetPrimaryMonitor()) glfwGetMonitorContentScale(m, &monitor, nullptr);
   fixedScale_ = static_cast<float>(o.scale);
   const float scale = std::clamp(fixedScale_ > 0 ? fixedScale_ : monitor, 1.0f, 3.0f);
-  window_ = glfwCreateWindow(static_cast<int>(static_cast<float>(o.width) * scale), static_cast<int>(static_cast<float>(o.height) * scale), "Vernier", nullptr, nullptr);
+  window_ =
+      glfwCreateWindow(static_cast<int>(static_cast<float>(o.width) * scale),
+                       static_cast<int>(static_cast<float>(o.height) * scale), "Vernier", nullptr, nullptr);
   if (!window_)
     return unavailable("The display offers no OpenGL 3.3 (" + reason() +
                        "); install libgl1-mesa-dri, or use `vernier render`, which needs none.");
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
   textures_ = std::make_unique<Textures>();
-  if (!textures_->load()) return unavailable("The display's OpenGL lacks functions of version 3.3; `vernier render` needs none.");
+  if (!textures_->load())
+    return unavailable("The display's OpenGL lacks functions of version 3.3; `vernier render` needs none.");
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;
   io.LogFilename = nullptr;
   io.ConfigInputTextCursorBlink = false;  // nothing is redrawn while nothing moves
-  const std::pair<ImGuiKey_, int> map[] = {
-      {ImGuiKey_Tab, GLFW_KEY_TAB}, {ImGuiKey_LeftArrow, GLFW_KEY_LEFT}, {ImGuiKey_RightArrow, GLFW_KEY_RIGHT},
-      {ImGuiKey_UpArrow, GLFW_KEY_UP}, {ImGuiKey_DownArrow, GLFW_KEY_DOWN}, {ImGuiKey_Home, GLFW_KEY_HOME},
-      {ImGuiKey_End, GLFW_KEY_END}, {ImGuiKey_Delete, GLFW_KEY_DELETE}, {ImGuiKey_Backspace, GLFW_KEY_BACKSPACE},
-      {ImGuiKey_Space, GLFW_KEY_SPACE}, {ImGuiKey_Enter, GLFW_KEY_ENTER}, {ImGuiKey_Escape, GLFW_KEY_ESCAPE},
-      {ImGuiKey_A, GLFW_KEY_A}, {ImGuiKey_C, GLFW_KEY_C}, {ImGuiKey_V, GLFW_KEY_V}, {ImGuiKey_X, GLFW_KEY_X},
-      {ImGuiKey_Y, GLFW_KEY_Y}, {ImGuiKey_Z, GLFW_KEY_Z}};
+  const std::pair<ImGuiKey_, int> map[] = {{ImGuiKey_Tab, GLFW_KEY_TAB},
+                                           {ImGuiKey_LeftArrow, GLFW_KEY_LEFT},
+                                           {ImGuiKey_RightArrow, GLFW_KEY_RIGHT},
+                                           {ImGuiKey_UpArrow, GLFW_KEY_UP},
+                                           {ImGuiKey_DownArrow, GLFW_KEY_DOWN},
+                                           {ImGuiKey_Home, GLFW_KEY_HOME},
+                                           {ImGuiKey_End, GLFW_KEY_END},
+                                           {ImGuiKey_Delete, GLFW_KEY_DELETE},
+                                           {ImGuiKey_Backspace, GLFW_KEY_BACKSPACE},
+                                           {ImGuiKey_Space, GLFW_KEY_SPACE},
+                                           {ImGuiKey_Enter, GLFW_KEY_ENTER},
+                                           {ImGuiKey_Escape, GLFW_KEY_ESCAPE},
+                                           {ImGuiKey_A, GLFW_KEY_A},
+                                           {ImGuiKey_C, GLFW_KEY_C},
+                                           {ImGuiKey_V, GLFW_KEY_V},
+                                           {ImGuiKey_X, GLFW_KEY_X},
+                                           {ImGuiKey_Y, GLFW_KEY_Y},
+                                           {ImGuiKey_Z, GLFW_KEY_Z}};
   for (const auto& [ours, theirs] : map) io.KeyMap[ours] = theirs;
   io.ClipboardUserData = window_;
   io.GetClipboardTextFn = [](void* w) { return glfwGetClipboardString(static_cast<GLFWwindow*>(w)); };
-  io.SetClipboardTextFn = [](void* w, const char* text) { glfwSetClipboardString(static_cast<GLFWwindow*>(w), text); };
+  io.SetClipboardTextFn = [](void* w, const char* text) {
+    glfwSetClipboardString(static_cast<GLFWwindow*>(w), text);
+  };
   theme_ = makeTheme(scale, "");
   imguiGl_ = ImGui_ImplOpenGL3_Init("#version 330");
   if (!imguiGl_) return unavailable("The window's OpenGL could not be set up; `vernier render` needs none.");
@@ -126,12 +145,17 @@ void Host::callbacks() {
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int) {
     if (button < 3) hostOf(w).add({Kind::Button, 0, 0, button, action == GLFW_PRESS, {}});
   });
-  glfwSetScrollCallback(window_, [](GLFWwindow* w, double x, double y) { hostOf(w).add({Kind::Wheel, x, y, 0, false, {}}); });
+  glfwSetScrollCallback(window_, [](GLFWwindow* w, double x, double y) {
+    hostOf(w).add({Kind::Wheel, x, y, 0, false, {}});
+  });
   glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
-    if (key >= 0 && key < 512 && action != GLFW_REPEAT) hostOf(w).add({Kind::Key, 0, 0, key, action == GLFW_PRESS, {}});
+    if (key >= 0 && key < 512 && action != GLFW_REPEAT)
+      hostOf(w).add({Kind::Key, 0, 0, key, action == GLFW_PRESS, {}});
     if (action == GLFW_REPEAT) hostOf(w).framesWanted_ = 2;
   });
-  glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned c) { hostOf(w).add({Kind::Text, 0, 0, static_cast<int>(c), false, {}}); });
+  glfwSetCharCallback(window_, [](GLFWwindow* w, unsigned c) {
+    hostOf(w).add({Kind::Text, 0, 0, static_cast<int>(c), false, {}});
+  });
   glfwSetDropCallback(window_, [](GLFWwindow* w, int n, const char** paths) {
     InputEvent e{Kind::Drop, 0, 0, 0, false, {}};
     for (int k = 0; k < n; ++k) e.paths.emplace_back(paths[k]);

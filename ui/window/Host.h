@@ -15,10 +15,10 @@ namespace vernier::ui {
 
 struct HostOptions {
   app::SessionOptions session;
-  int width = 1280, height = 800;    // of the window at 100 %
-  double scale = 0;                  // 1..3; 0: the monitor's
+  int width = 1280, height = 800;  // of the window at 100 %
+  double scale = 0;                // 1..3; 0: the monitor's
   bool visible = true;
-  bool notice = false;               // show the notice of the first start
+  bool notice = false;  // show the notice of the first start
   std::function<void()> noticeAccepted;
 };
 

@@ -13,7 +13,8 @@ std::vector<InputEvent> InputQueue::next() {
     const InputEvent& e = events_.front();
     const bool moves = e.kind == Kind::Pointer || e.kind == Kind::PointerLeft;
     const bool waits =
-        (moves && taken([](const InputEvent& o) { return o.kind == Kind::Button || o.kind == Kind::Wheel; })) ||
+        (moves &&
+         taken([](const InputEvent& o) { return o.kind == Kind::Button || o.kind == Kind::Wheel; })) ||
         ((e.kind == Kind::Button || e.kind == Kind::Key) &&
          taken([&](const InputEvent& o) { return o.kind == e.kind && o.code == e.code; })) ||
         (e.kind == Kind::Wheel && taken([](const InputEvent& o) { return o.kind == Kind::Button; })) ||

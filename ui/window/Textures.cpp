@@ -37,7 +37,8 @@ bool Textures::load() {
          fill(gl.BindTexture, "glBindTexture") && fill(gl.TexParameteri, "glTexParameteri") &&
          fill(gl.PixelStorei, "glPixelStorei") && fill(gl.TexImage2D, "glTexImage2D") &&
          fill(gl.TexSubImage2D, "glTexSubImage2D") && fill(gl.Viewport, "glViewport") &&
-         fill(gl.ClearColor, "glClearColor") && fill(gl.Clear, "glClear") && fill(gl.ReadPixels, "glReadPixels");
+         fill(gl.ClearColor, "glClearColor") && fill(gl.Clear, "glClear") &&
+         fill(gl.ReadPixels, "glReadPixels");
 }
 
 Textures::~Textures() { clear(); }
@@ -98,8 +99,7 @@ Picture Textures::readBack(int width, int height) {
   gl.ReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, bottomUp.pixels.data());
   Picture out(width, height);
   const auto row = static_cast<std::size_t>(3 * width);
-  for (int y = 0; y < height; ++y)
-    std::copy_n(bottomUp.at(0, height - 1 - y), row, out.at(0, y));
+  for (int y = 0; y < height; ++y) std::copy_n(bottomUp.at(0, height - 1 - y), row, out.at(0, y));
   return out;
 }
 

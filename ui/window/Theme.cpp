@@ -37,7 +37,8 @@ void colours(ImGuiStyle& s) {
   c[ImGuiCol_Header] = vec(kAccentDark), c[ImGuiCol_HeaderHovered] = vec(IM_COL32(44, 50, 58, 255));
   c[ImGuiCol_HeaderActive] = vec(kAccentDark);
   c[ImGuiCol_ScrollbarBg] = {0, 0, 0, 0}, c[ImGuiCol_ScrollbarGrab] = vec(IM_COL32(58, 65, 74, 255));
-  c[ImGuiCol_ScrollbarGrabHovered] = vec(IM_COL32(78, 87, 98, 255)), c[ImGuiCol_ScrollbarGrabActive] = vec(kAccent);
+  c[ImGuiCol_ScrollbarGrabHovered] = vec(IM_COL32(78, 87, 98, 255)),
+  c[ImGuiCol_ScrollbarGrabActive] = vec(kAccent);
   c[ImGuiCol_CheckMark] = c[ImGuiCol_SliderGrab] = c[ImGuiCol_PlotHistogram] = vec(kAccent);
   c[ImGuiCol_Separator] = vec(kLine), c[ImGuiCol_DragDropTarget] = vec(kAccent);
   c[ImGuiCol_NavHighlight] = vec(kAccent), c[ImGuiCol_TextSelectedBg] = vec(kAccentDark);
@@ -54,7 +55,8 @@ Theme makeTheme(float scale, const std::string& alsoShown) {
   s = ImGuiStyle();
   s.WindowPadding = {10, 8}, s.FramePadding = {9, 4}, s.ItemSpacing = {8, 6}, s.ItemInnerSpacing = {6, 4};
   s.WindowRounding = 0, s.FrameRounding = 4, s.PopupRounding = 5, s.ScrollbarRounding = 6, s.GrabRounding = 4;
-  s.ScrollbarSize = 11, s.WindowBorderSize = 0, s.ChildBorderSize = 0, s.FrameBorderSize = 0, s.PopupBorderSize = 1;
+  s.ScrollbarSize = 11, s.WindowBorderSize = 0, s.ChildBorderSize = 0, s.FrameBorderSize = 0,
+  s.PopupBorderSize = 1;
   s.ScaleAllSizes(scale);
   colours(s);
 

@@ -10,9 +10,9 @@ namespace vernier::ui {
 namespace {
 
 constexpr float kHeader = 26, kGap = 2, kRedBand = 24;
-constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                                    ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoScrollWithMouse;
+constexpr ImGuiWindowFlags kFlags =
+    ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoScrollWithMouse;
 
 std::string viewTitle(const std::string& view) {
   if (view.empty()) return "";
@@ -21,7 +21,9 @@ std::string viewTitle(const std::string& view) {
   return s;
 }
 
-ImU32 faded(ImU32 c, int alpha) { return (c & ~IM_COL32_A_MASK) | (static_cast<ImU32>(alpha) << IM_COL32_A_SHIFT); }
+ImU32 faded(ImU32 c, int alpha) {
+  return (c & ~IM_COL32_A_MASK) | (static_cast<ImU32>(alpha) << IM_COL32_A_SHIFT);
+}
 
 }  // namespace
 
@@ -105,8 +107,8 @@ void Gui::tileHeader(int t, Rect r) {
   if (tile.empty()) return;
   const SourceFacts* f = w.factsOfTile(t);
   const float pad = theme_.px(8), chip = theme_.px(8), middle = r.y + r.h / 2;
-  draw->AddRectFilled({r.x + pad, middle - chip / 2}, {r.x + pad + chip, middle + chip / 2}, colourOfView(tile.view),
-                      theme_.px(2));
+  draw->AddRectFilled({r.x + pad, middle - chip / 2}, {r.x + pad + chip, middle + chip / 2},
+                      colourOfView(tile.view), theme_.px(2));
   ImFont* bold = theme_.small;
   const std::string title = viewTitle(tile.view);
   float x = r.x + pad + chip + theme_.px(7);
@@ -120,7 +122,8 @@ void Gui::tileHeader(int t, Rect r) {
   draw->AddText(theme_.small, theme_.small->FontSize, {personX, y}, colour::kText, f->patient.c_str());
   draw->PushClipRect({x, r.y}, {std::max(x, personX - theme_.px(12)), r.y + r.h}, true);
   const std::string series = (f->modality.empty() ? "" : f->modality + "  ") + f->title;
-  draw->AddText(theme_.small, theme_.small->FontSize, {x, y}, alarm ? colour::kText : colour::kDim, series.c_str());
+  draw->AddText(theme_.small, theme_.small->FontSize, {x, y}, alarm ? colour::kText : colour::kDim,
+                series.c_str());
   draw->PopClipRect();
 }
 
@@ -131,17 +134,22 @@ void Gui::sentence(Rect r, const char* headline, const std::string& text, ImU32 
   const ImVec2 a = theme_.bold->CalcTextSizeA(theme_.bold->FontSize, 1e6f, width, headline);
   const ImVec2 b = theme_.body->CalcTextSizeA(theme_.body->FontSize, 1e6f, width, text.c_str());
   float y = r.y + std::max(theme_.px(8), (r.h - a.y - b.y - theme_.px(10)) / 2);
-  draw->AddText(theme_.bold, theme_.bold->FontSize, {r.x + (r.w - a.x) / 2, y}, headlineColour, headline, nullptr, width);
+  draw->AddText(theme_.bold, theme_.bold->FontSize, {r.x + (r.w - a.x) / 2, y}, headlineColour, headline,
+                nullptr, width);
   y += a.y + theme_.px(10);
-  draw->AddText(theme_.body, theme_.body->FontSize, {r.x + (r.w - b.x) / 2, y}, colour::kDim, text.c_str(), nullptr, width);
+  draw->AddText(theme_.body, theme_.body->FontSize, {r.x + (r.w - b.x) / 2, y}, colour::kDim, text.c_str(),
+                nullptr, width);
 }
 
 void Gui::emptyTile(Rect r) {
   const auto p = desk_.progress();
-  if (p && p->opening) return sentence(r, "Reading files", "The first series opens when its headers are known. Esc cancels.", colour::kText);
+  if (p && p->opening)
+    return sentence(r, "Reading files", "The first series opens when its headers are known. Esc cancels.",
+                    colour::kText);
   if (desk_.documents().empty())
     return sentence(r, "Nothing is open",
-                    "Drop a folder or files on this window, or type a path in the field on the left.", colour::kText);
+                    "Drop a folder or files on this window, or type a path in the field on the left.",
+                    colour::kText);
   sentence(r, "Empty", "Drag a series here from the list on the left.", colour::kText);
 }
 
@@ -151,7 +159,8 @@ void Gui::volumeState(int t, Rect r) {
   if (const Error* e = desk_.volumeError(source)) {
     const bool cancelled = e->code == ErrorCode::Cancelled;
     sentence(r, cancelled ? "Loading was cancelled" : "This volume cannot be shown",
-             cancelled ? "The stack view needs no volume: choose Stack." : e->sentence + " The stack view still works.",
+             cancelled ? "The stack view needs no volume: choose Stack."
+                       : e->sentence + " The stack view still works.",
              cancelled ? colour::kText : colour::kAmber);
     ImGui::SetCursorScreenPos({r.x + (r.w - theme_.px(96)) / 2, r.y + r.h / 2 + theme_.px(44)});
     if (ImGui::Button("Try again", {theme_.px(96), 0})) desk_.retryVolume(source);
@@ -190,7 +199,9 @@ void Gui::references(int t, Rect r) {
   const View& view = shown.picture->view;
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const float line = std::max(1.0f, theme_.px(1));
-  const auto at = [&](glm::dvec2 p) { return ImVec2(r.x + static_cast<float>(p.x), r.y + static_cast<float>(p.y)); };
+  const auto at = [&](glm::dvec2 p) {
+    return ImVec2(r.x + static_cast<float>(p.x), r.y + static_cast<float>(p.y));
+  };
   const auto cross = w.crosshair(t);
   const bool crossHere = cross && std::abs(place.distance_mm(*cross)) < 0.51 * std::max(1.0, place.unit_mm);
   const glm::dvec2 centre = cross ? place.pixelOf(*cross) : glm::dvec2(0, 0);

@@ -88,7 +88,8 @@ Json probe(const Json& p, const StudyPlan& study, const SeriesPlan& series,
   const glm::dvec3 centre = best->origin_mm +
                             static_cast<double>(i) * series.columnSpacing_mm * best->rowDirection +
                             static_cast<double>(j) * series.rowSpacing_mm * best->columnDirection;
-  const std::size_t channels = fields.size(), at = static_cast<std::size_t>(j * series.columns + i) * channels;
+  const std::size_t channels = fields.size(),
+                    at = static_cast<std::size_t>(j * series.columns + i) * channels;
   const std::vector<std::int32_t> stored = sampleChannels(fields, channels, series, *best, study.seed);
   Json place{{"name", p.at("name")},
              {"file", best->fileName},
@@ -96,8 +97,9 @@ Json probe(const Json& p, const StudyPlan& study, const SeriesPlan& series,
              {"row", j},
              {"patient_mm", jsonOf(centre)}};
   if (channels > 1) {  // red, green, blue and alpha, which the DICOM files do not have
-    place["stored"] = Json(std::vector<std::int32_t>(stored.begin() + static_cast<std::ptrdiff_t>(at),
-                                                     stored.begin() + static_cast<std::ptrdiff_t>(at + channels)));
+    place["stored"] =
+        Json(std::vector<std::int32_t>(stored.begin() + static_cast<std::ptrdiff_t>(at),
+                                       stored.begin() + static_cast<std::ptrdiff_t>(at + channels)));
     return place;
   }
   const std::int32_t value = stored[at];
@@ -121,18 +123,23 @@ Json probe(const Json& p, const StudyPlan& study, const SeriesPlan& series,
   return out;
 }
 
-// What a picture of the slice shows at each of the probes under the presentation state: LINEAR window, inversion and
-// shutter of PS3.3, in 0..1; and at which column and row of the frame as it is turned and flipped.
+// What a picture of the slice shows at each of the probes under the presentation state: LINEAR window,
+// inversion and shutter of PS3.3, in 0..1; and at which column and row of the frame as it is turned and
+// flipped.
 Json presentationAnswers(const PresentationPlan& p, const SeriesPlan& s, const Json& probes) {
-  Json out{{"sop_instance_uid", p.sopUid}, {"file", p.fileName}, {"image_file", s.slices.at(p.slice).fileName},
-           {"label", p.label}, {"shown", Json::array()}};
+  Json out{{"sop_instance_uid", p.sopUid},
+           {"file", p.fileName},
+           {"image_file", s.slices.at(p.slice).fileName},
+           {"label", p.label},
+           {"shown", Json::array()}};
   for (const Json& probe : probes) {
     if (probe.at("file") != s.slices.at(p.slice).fileName) continue;
     const std::int64_t column = probe.at("column"), row = probe.at("row");
     const double x = probe.at("modality"), y = (x - (p.center - 0.5)) / (p.width - 1) + 0.5;
     double grey = std::clamp(y, 0.0, 1.0);
     if (p.inverse) grey = 1 - grey;
-    if (column + 1 < p.shutter[0] || column + 1 > p.shutter[1] || row + 1 < p.shutter[2] || row + 1 > p.shutter[3])
+    if (column + 1 < p.shutter[0] || column + 1 > p.shutter[1] || row + 1 < p.shutter[2] ||
+        row + 1 > p.shutter[3])
       grey = p.shutterValue / 65535.0;
     std::int64_t across = column, down = row, width = s.columns, height = s.rows;
     for (int turned = 0; turned < p.rotation_deg; turned += 90) {
@@ -173,26 +180,26 @@ Json describe(const StudyPlan& study, const SeriesPlan& s, const Json& recipe,
   for (const Json& p : recipe.value("probes", Json::array()))
     probes.push_back(probe(p, study, s, fields, solids));
   Json out{{"series_uid", s.seriesUid},
-          {"description", s.description},
-          {"modality", modalityOf(s.storage)},
-          {"transfer_syntax", s.transferSyntaxUid},
-          {"lossy", !s.lossyMethod.empty()},
-          {"stored_bound", s.storedBound},
-          {"columns", s.columns},
-          {"rows", s.rows},
-          {"pixel_spacing_row_col_mm", Json::array({s.rowSpacing_mm, s.columnSpacing_mm})},
-          {"step_mm", s.step_mm},
-          {"row_direction", jsonOf(s.slices.front().rowDirection)},
-          {"column_direction", jsonOf(s.slices.front().columnDirection)},
-          {"bits_stored", s.bitsStored},
-          {"signed", s.isSigned},
-          {"rescale_slope", s.slope},
-          {"rescale_intercept", s.intercept},
-          {"stored_min", low},
-          {"stored_max", high},
-          {"stored_sum", total},
-          {"probes", probes},
-          {"slices", slices}};
+           {"description", s.description},
+           {"modality", modalityOf(s.storage)},
+           {"transfer_syntax", s.transferSyntaxUid},
+           {"lossy", !s.lossyMethod.empty()},
+           {"stored_bound", s.storedBound},
+           {"columns", s.columns},
+           {"rows", s.rows},
+           {"pixel_spacing_row_col_mm", Json::array({s.rowSpacing_mm, s.columnSpacing_mm})},
+           {"step_mm", s.step_mm},
+           {"row_direction", jsonOf(s.slices.front().rowDirection)},
+           {"column_direction", jsonOf(s.slices.front().columnDirection)},
+           {"bits_stored", s.bitsStored},
+           {"signed", s.isSigned},
+           {"rescale_slope", s.slope},
+           {"rescale_intercept", s.intercept},
+           {"stored_min", low},
+           {"stored_max", high},
+           {"stored_sum", total},
+           {"probes", probes},
+           {"slices", slices}};
   if (s.samples > 1) out["samples"] = s.samples;
   if (study.presentation) out["presentation"] = presentationAnswers(*study.presentation, s, probes);
   return out;
@@ -211,7 +218,8 @@ SliceSums sumsOf(const std::vector<std::int32_t>& stored) {
 }
 
 Json answersOf(const Json& recipe, const std::string& variant, const StudyPlan& study,
-               const std::vector<const Field*>& fields, const std::vector<Solid>& solids, const std::vector<std::vector<SliceSums>>& sums) {
+               const std::vector<const Field*>& fields, const std::vector<Solid>& solids,
+               const std::vector<std::vector<SliceSums>>& sums) {
   Json out{{"schema", "vernier-phantom-answers/1"},
            {"name", study.name},
            {"summary", recipe.at("summary")},
@@ -220,7 +228,8 @@ Json answersOf(const Json& recipe, const std::string& variant, const StudyPlan& 
            {"study_uid", study.studyUid},
            {"frame_of_reference_uid", study.frameOfReferenceUid},
            {"findings", study.findings},
-           {"source", recipe.contains("source") ? recipe["source"].at("kind") : recipe.at("channels").at(0).at("kind")}};
+           {"source", recipe.contains("source") ? recipe["source"].at("kind")
+                                                : recipe.at("channels").at(0).at("kind")}};
   if (recipe.contains("formula")) out["formula"] = recipe["formula"];
   Json measures = Json::array();
   for (const Json& m : recipe.value("measures", Json::array())) measures.push_back(measure(m, solids));

@@ -92,7 +92,8 @@ std::vector<Uint16> segmentsOf(const std::vector<Uint16>& entries, bool even) {
 }
 
 void putPalette(const Data& d, const SeriesPlan& series) {
-  const DcmTagKey descriptors[] = {DCM_RedPaletteColorLookupTableDescriptor, DCM_GreenPaletteColorLookupTableDescriptor,
+  const DcmTagKey descriptors[] = {DCM_RedPaletteColorLookupTableDescriptor,
+                                   DCM_GreenPaletteColorLookupTableDescriptor,
                                    DCM_BluePaletteColorLookupTableDescriptor};
   const DcmTagKey tables[] = {DCM_RedPaletteColorLookupTableData, DCM_GreenPaletteColorLookupTableData,
                               DCM_BluePaletteColorLookupTableData};

@@ -106,8 +106,8 @@ struct Job {
   std::stop_token stop;
   std::vector<std::vector<SliceSums>> sums;
   std::vector<std::vector<std::int32_t>> frames;  // of multi-frame objects, by slice
-  std::vector<std::int16_t> volume;   // MetaImage of one channel only
-  std::vector<std::uint8_t> colours;  // MetaImage of several channels only, interleaved
+  std::vector<std::int16_t> volume;               // MetaImage of one channel only
+  std::vector<std::uint8_t> colours;              // MetaImage of several channels only, interleaved
   std::mutex mutex;
   std::optional<Error> failure;  // of the lowest file index, whatever the threads did
   std::size_t failedAt = 0;
@@ -121,14 +121,16 @@ Result<std::uint64_t> makeSlice(Job& job, std::size_t n, std::size_t k) {
     // DICOM's colours have no alpha.
     const bool meta = job.format == PhantomFormat::MetaImage;
     const std::size_t channels = meta ? job.fields.size() : static_cast<std::size_t>(series.samples);
-    const std::vector<std::int32_t> stored = sampleChannels(job.fields, channels, series, slice, job.study.seed);
+    const std::vector<std::int32_t> stored =
+        sampleChannels(job.fields, channels, series, slice, job.study.seed);
     job.sums[n][k] = sumsOf(stored);
     if (!series.objects.empty() && job.format == PhantomFormat::Dicom) {
       job.frames[k] = stored;  // written with the others of its object
       return 0;
     }
     if (meta && channels > 1) {
-      std::copy(stored.begin(), stored.end(), job.colours.begin() + static_cast<std::ptrdiff_t>(k * stored.size()));
+      std::copy(stored.begin(), stored.end(),
+                job.colours.begin() + static_cast<std::ptrdiff_t>(k * stored.size()));
       return stored.size();
     }
     if (meta) {
@@ -219,7 +221,14 @@ Result<PhantomInfo> write(const std::string& name, const std::filesystem::path& 
     if (Result<void> removed = removeOldFiles(info.data); !removed) return removed.error();
   }
 
-  Job job{study, channels.fields, info.data, options.format, progress, options.stop, {}, {}, {}, {}, {}, {}, 0, 0, 0, 0};
+  Job job{study,     channels.fields,
+          info.data, options.format,
+          progress,  options.stop,
+          {},        {},
+          {},        {},
+          {},        {},
+          0,         0,
+          0,         0};
   if (meta) {
     const SeriesPlan& s = study.series.front();
     const std::size_t voxels = static_cast<std::size_t>(s.columns * s.rows) * s.slices.size();

@@ -59,8 +59,9 @@ struct SeriesPlan {
   double slope = 1, intercept = 0;
   std::optional<int> padding;
   double fieldOfView_mm = 0;  // with padding: pixels farther than this from the image's centre are padding
-  int samples = 1;  // 3: RGB, interleaved by pixel
-  std::vector<std::array<std::uint16_t, 3>> palette;  // red, green, blue of each stored value; empty: grey or RGB
+  int samples = 1;            // 3: RGB, interleaved by pixel
+  std::vector<std::array<std::uint16_t, 3>>
+      palette;  // red, green, blue of each stored value; empty: grey or RGB
   int paletteBits = 16;
   bool paletteSegmented = false;
   std::string transferSyntaxUid = "1.2.840.10008.1.2.1";

@@ -9,7 +9,8 @@ namespace vernier::phantoms {
 namespace {
 
 void floats(const Data& d, const DcmTagKey& tag, const std::vector<Float32>& values) {
-  check(d.item.putAndInsertFloat32Array(tag, values.data(), static_cast<unsigned long>(values.size())), "attribute");
+  check(d.item.putAndInsertFloat32Array(tag, values.data(), static_cast<unsigned long>(values.size())),
+        "attribute");
 }
 void signedLongs(const Data& d, const DcmTagKey& tag, const std::vector<Sint32>& values) {
   auto element = std::make_unique<DcmSignedLong>(tag);
@@ -50,7 +51,7 @@ void putPresentationPlace(const Data& d, const SeriesPlan& series, const Present
   const Data area = d.in(DCM_DisplayedAreaSelectionSequence);
   signedLongs(area, DCM_DisplayedAreaTopLeftHandCorner, {1, 1});
   signedLongs(area, DCM_DisplayedAreaBottomRightHandCorner,
-                   {static_cast<Sint32>(series.columns), static_cast<Sint32>(series.rows)});
+              {static_cast<Sint32>(series.columns), static_cast<Sint32>(series.rows)});
   area.text(DCM_PresentationSizeMode, "SCALE TO FIT");
   area.text(DCM_PresentationPixelSpacing, dsOf(series.rowSpacing_mm) + "\\" + dsOf(series.columnSpacing_mm));
   d.text(DCM_ShutterShape, "RECTANGULAR");
@@ -85,7 +86,8 @@ void putPresentationGraphics(const Data& d, const SeriesPlan& series, const Pres
 
 }  // namespace
 
-Result<void> writePresentation(const StudyPlan& study, const PresentationPlan& p, const std::filesystem::path& file) {
+Result<void> writePresentation(const StudyPlan& study, const PresentationPlan& p,
+                               const std::filesystem::path& file) {
   DcmFileFormat format;
   const Data d{*format.getDataset()};
   const SeriesPlan& series = study.series.front();
@@ -100,9 +102,9 @@ Result<void> writePresentation(const StudyPlan& study, const PresentationPlan& p
   putPresentationGrey(d, series, p);
   putPresentationPlace(d, series, p);
   putPresentationGraphics(d, series, p);
-  putMeta(*format.getMetaInfo(), UID_GrayscaleSoftcopyPresentationStateStorage, p.sopUid, UID_LittleEndianExplicitTransferSyntax);
+  putMeta(*format.getMetaInfo(), UID_GrayscaleSoftcopyPresentationStateStorage, p.sopUid,
+          UID_LittleEndianExplicitTransferSyntax);
   return saved(format, EXS_LittleEndianExplicit, file);
 }
-
 
 }  // namespace vernier::phantoms

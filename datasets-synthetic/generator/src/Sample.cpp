@@ -96,7 +96,8 @@ double slopeOf(const SeriesPlan& series, const SlicePlan& slice) {
 }
 
 std::vector<std::int32_t> sampleChannels(const std::vector<const Field*>& fields, std::size_t channels,
-                                         const SeriesPlan& series, const SlicePlan& slice, std::uint64_t seed) {
+                                         const SeriesPlan& series, const SlicePlan& slice,
+                                         std::uint64_t seed) {
   if (channels == 1) return sampleSlice(*fields.front(), series, slice, seed);
   std::vector<std::int32_t> out;
   for (std::size_t c = 0; c < channels; ++c) {

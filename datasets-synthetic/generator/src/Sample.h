@@ -19,8 +19,8 @@ std::vector<std::int32_t> sampleSlice(const Field&, const SeriesPlan&, const Sli
 
 double slopeOf(const SeriesPlan&, const SlicePlan&);
 // The same for the first `channels` fields, interleaved by pixel.
-std::vector<std::int32_t> sampleChannels(const std::vector<const Field*>&, std::size_t channels, const SeriesPlan&,
-                                         const SlicePlan&, std::uint64_t seed);
+std::vector<std::int32_t> sampleChannels(const std::vector<const Field*>&, std::size_t channels,
+                                         const SeriesPlan&, const SlicePlan&, std::uint64_t seed);
 
 // The field without noise at a patient point, in modality units.
 double idealAt(const Field&, glm::dvec3 p_mm);

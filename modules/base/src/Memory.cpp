@@ -27,8 +27,8 @@ Result<MemoryBudget::Reservation> MemoryBudget::reserve(std::uint64_t bytes, con
   do {
     if (bytes > limit_ || used > limit_ - bytes)
       return makeError(ErrorCode::OutOfMemory,
-                       what + " needs " + std::to_string(bytes >> 20) + " MiB, but " + std::to_string(used >> 20) +
-                           " of the " + std::to_string(limit_ >> 20) +
+                       what + " needs " + std::to_string(bytes >> 20) + " MiB, but " +
+                           std::to_string(used >> 20) + " of the " + std::to_string(limit_ >> 20) +
                            " MiB budget are in use; close a study or raise VERNIER_MEMORY_MB.");
   } while (!used_->compare_exchange_weak(used, used + bytes));
   Reservation r;
@@ -61,7 +61,8 @@ std::shared_ptr<const void> DerivedCache::find(const Key& key) {
 std::shared_ptr<const void> DerivedCache::insert(const Key& key, std::shared_ptr<const void> value,
                                                  std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
-  if (const auto it = index_.find(key); it != index_.end()) return it->second->value;  // another thread was first
+  if (const auto it = index_.find(key); it != index_.end())
+    return it->second->value;  // another thread was first
   entries_.push_front({key, value, bytes});
   index_[key] = entries_.begin();
   bytes_ += bytes;

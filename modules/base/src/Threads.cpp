@@ -32,7 +32,8 @@ int threads() {
   return g_threads > 0 ? g_threads : tbb::info::default_concurrency();
 }
 
-void parallelFor(std::size_t n, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body) {
+void parallelFor(std::size_t n, std::size_t grain,
+                 const std::function<void(std::size_t, std::size_t)>& body) {
   if (n == 0) return;
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, n, grain > 0 ? grain : 1),

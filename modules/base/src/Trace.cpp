@@ -47,7 +47,8 @@ Result<void> traceWrite(const std::string& path) {
   }
   std::fputs("\n]}\n", f);
   const bool bad = std::ferror(f) != 0;
-  if (std::fclose(f) != 0 || bad) return makeError(ErrorCode::WriteFailed, "The trace was not written whole.", path);
+  if (std::fclose(f) != 0 || bad)
+    return makeError(ErrorCode::WriteFailed, "The trace was not written whole.", path);
   return {};
 }
 

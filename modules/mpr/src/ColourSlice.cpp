@@ -9,7 +9,8 @@
 
 namespace vernier::mpr {
 
-Result<void> drawColourSlice(const SliceParams& p, Images& images, std::stop_token stop, const DrawGrey& draw) {
+Result<void> drawColourSlice(const SliceParams& p, Images& images, std::stop_token stop,
+                             const DrawGrey& draw) {
   const std::size_t pixels = images.depth.size();
   const int channels = p.volume->info().channels;
   std::vector<std::vector<float>> values;

@@ -44,8 +44,10 @@ VoiWindow wholeRange(const ImageFrameInfo& info, const FramePresentation& f) {
   } else if (info.type == VoxelType::F32) {
     return info.autoWindow;
   } else {
-    const bool isSigned = info.type == VoxelType::I8 || info.type == VoxelType::I16 || info.type == VoxelType::I32;
-    const double least = isSigned ? -std::exp2(info.bitsStored - 1) : 0, most = least + std::exp2(info.bitsStored) - 1;
+    const bool isSigned =
+        info.type == VoxelType::I8 || info.type == VoxelType::I16 || info.type == VoxelType::I32;
+    const double least = isSigned ? -std::exp2(info.bitsStored - 1) : 0,
+                 most = least + std::exp2(info.bitsStored) - 1;
     lo = std::min(f.rescale.slope * least, f.rescale.slope * most) + f.rescale.intercept;
     hi = std::max(f.rescale.slope * least, f.rescale.slope * most) + f.rescale.intercept;
   }
@@ -82,7 +84,8 @@ std::vector<std::string> notesOf(const ImageLayer& image, const ImageParams& p) 
   if (p.frame->isColour() && (image.window || image.voiLut))
     notes.push_back("window not applied: a colour image has none");
   if (!p.presentation) return notes;
-  for (const std::string& what : p.presentation->notApplied) notes.push_back("presentation: not applied: " + what);
+  for (const std::string& what : p.presentation->notApplied)
+    notes.push_back("presentation: not applied: " + what);
   if (p.frame->isColour() && p.presentation->greyscale)
     notes.push_back("presentation: not applied: grey transformations, as the image is in colour");
   if (!p.frame->isColour() && !p.presentation->greyscale)
@@ -121,8 +124,8 @@ double ImageParams::modalityOf(double stored) const {
 double ImageParams::greyOf(double modality) const {
   double g = voiLut ? lutGrey(*voiLut, modality) : applyVoi(window, modality);
   if (presentation && presentation->presentationLut) {
-    // Its input is the whole range of the VOI's output, in whole numbers: a window's are cut off, not rounded, as the
-    // field's reference implementation of display consistency does.
+    // Its input is the whole range of the VOI's output, in whole numbers: a window's are cut off, not
+    // rounded, as the field's reference implementation of display consistency does.
     const LutTable& lut = *presentation->presentationLut;
     g = lutGrey(lut, lut.firstMapped + std::floor(g * static_cast<double>(lut.data.size() - 1) + kRounding));
   }
@@ -139,8 +142,9 @@ std::string ImageParams::dump() const {
     s += " colour";
   else
     s += voiLut ? " voi lut" : " window " + number(window.center) + "/" + number(window.width);
-  if (presentation) s += std::string(" presentation") + (presentation->presentationLut ? " lut" : "") +
-                         (presentation->shutter ? " shutter" : "");
+  if (presentation)
+    s += std::string(" presentation") + (presentation->presentationLut ? " lut" : "") +
+         (presentation->shutter ? " shutter" : "");
   return s + (invert ? " inverted" : "");
 }
 
@@ -168,8 +172,8 @@ Result<std::shared_ptr<const ImageParams>> imageParams(const Layer& layer, const
     return makeError(ErrorCode::SceneInvalid, "The presentation LUT is empty or not of 1 to 16 bits.");
   if (!p->frame->isColour())
     if (Result<void> voi = chooseVoi(*image, info, *p); !voi) return voi.error();
-  // One inversion in all: a presentation state says it for the image, whose photometric interpretation counts no
-  // more (PS3.4 N.2.1.4); the user's own comes on top.
+  // One inversion in all: a presentation state says it for the image, whose photometric interpretation counts
+  // no more (PS3.4 N.2.1.4); the user's own comes on top.
   p->invert = image->invert != (greyPipeline ? f->inverse : info.inverted);
   p->background = context.scene.background;
   return std::shared_ptr<const ImageParams>(std::move(p));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What grey and colour frames share when they are drawn: which samples of the frame lie beside a pixel, and the
-// frame's lines, converted once while neighbouring picture rows need them.
+// What grey and colour frames share when they are drawn: which samples of the frame lie beside a pixel, and
+// the frame's lines, converted once while neighbouring picture rows need them.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -36,8 +36,8 @@ inline std::vector<Beside> besides(int pixels, double start_px, double pxPerSamp
   return out;
 }
 
-// The lines above and below a picture row. Fill: (line, Value* out) writes the places that the picture shows, out[n]
-// for place n, at most `last`.
+// The lines above and below a picture row. Fill: (line, Value* out) writes the places that the picture shows,
+// out[n] for place n, at most `last`.
 template <class Value, class Fill>
 class KeptLines {
  public:

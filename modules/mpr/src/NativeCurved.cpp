@@ -26,12 +26,13 @@ native::CurvedJob curvedJobOf(const CurvedParams& p) {
 
 double predicted_ms(const CurvedParams& p, const PlanContext& context) {
   const auto& columns = p.picture.columns;
-  const auto shown = std::find_if(columns.begin(), columns.end(), [](const CurvedColumn& c) { return c.shown; });
+  const auto shown =
+      std::find_if(columns.begin(), columns.end(), [](const CurvedColumn& c) { return c.shown; });
   if (shown == columns.end()) return 0;
   const auto known = context.costs.nsPerSample.find("mpr.curved");
   const bool fast = native::drawsFast(native::columnJob(curvedJobOf(p), *shown));
-  const double ns = known != context.costs.nsPerSample.end() ? known->second
-                                                             : builtInCost_ns(p.interpolation, fast);
+  const double ns =
+      known != context.costs.nsPerSample.end() ? known->second : builtInCost_ns(p.interpolation, fast);
   const double rows = p.picture.endRow(p.view.height_px) - p.picture.firstRow(p.view.height_px);
   return rows * p.view.width_px * p.slabSamples * ns * 1e-6 / std::max(1, context.capabilities.threads);
 }
@@ -55,7 +56,8 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
 
 Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
   const auto* p = dynamic_cast<const CurvedParams*>(pass.params.get());
-  if (!p) return makeError(ErrorCode::Internal, "The pass has no parameters of a curved reformat.", "mpr.curved");
+  if (!p)
+    return makeError(ErrorCode::Internal, "The pass has no parameters of a curved reformat.", "mpr.curved");
   fitImages(images, p->view);
   return native::drawCurved(curvedJobOf(*p), images, stop);
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // image.native: one stored frame, unresampled but for the display zoom. Grey: stored value -> modality (slope
 // or LUT) -> zoom (nearest, or bilinear of modality values, renormalised next to no-data) -> VOI (window or
-// LUT, PS3.3 C.11.2) -> presentation LUT -> inversion. Colour: stored samples -> RGB -> zoom, channel by channel
-// -> inversion. In double. A line is a row of the frame, or a column where the picture is turned by 90 degrees.
+// LUT, PS3.3 C.11.2) -> presentation LUT -> inversion. Colour: stored samples -> RGB -> zoom, channel by
+// channel
+// -> inversion. In double. A line is a row of the frame, or a column where the picture is turned by 90
+// degrees.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -38,8 +40,8 @@ double valueAt(const double* above, const double* below, const Beside& x, const 
 struct Drawing {
   const ImageParams& p;
   Images& images;
-  std::vector<Beside> xs, ys;       // along the picture's rows and columns
-  std::vector<std::uint8_t> mask;   // of the frame's pixels, empty without a shutter
+  std::vector<Beside> xs, ys;         // along the picture's rows and columns
+  std::vector<std::uint8_t> mask;     // of the frame's pixels, empty without a shutter
   std::int64_t first = 0, last = -1;  // the places of a line that the picture shows
 
   // Places along a line and the line's own number, as column and row of the frame.
@@ -55,8 +57,7 @@ struct Drawing {
 };
 
 void putPixel(Images& images, std::size_t n, const glm::dvec3& rgb, bool data, double value) {
-  for (int c = 0; c < 3; ++c)
-    images.colour[4 * n + static_cast<std::size_t>(c)] = static_cast<float>(rgb[c]);
+  for (int c = 0; c < 3; ++c) images.colour[4 * n + static_cast<std::size_t>(c)] = static_cast<float>(rgb[c]);
   images.colour[4 * n + 3] = 1.0f;
   images.depth[n] = data ? 0.0f : kNothing_mm;
   if (!images.values.empty()) images.values[n] = static_cast<float>(value);
@@ -92,7 +93,8 @@ struct Pixel {
   double value;
 };
 
-Pixel pixelOf(const ImageParams& p, const double* above, const double* below, const Beside& x, const Beside& y) {
+Pixel pixelOf(const ImageParams& p, const double* above, const double* below, const Beside& x,
+              const Beside& y) {
   const double value = valueAt(above, below, x, y);
   if (std::isnan(value)) return {{p.background.r, p.background.g, p.background.b}, false, value};
   return {glm::dvec3(p.greyOf(value)), true, value};
@@ -133,10 +135,10 @@ Drawing drawingOf(const ImageParams& p, Images& images) {
   const ImagePicture& at = p.picture;
   const bool nearest = p.interpolation == Interpolation::Nearest, turned = at.transposed;
   Drawing d{p, images, {}, {}, {}};
-  d.xs = besides(p.view.width_px, at.x0, turned ? at.pxPerRow : at.pxPerColumn, turned ? info.rows : info.columns,
-                 nearest);
-  d.ys = besides(p.view.height_px, at.y0, turned ? at.pxPerColumn : at.pxPerRow, turned ? info.columns : info.rows,
-                 nearest);
+  d.xs = besides(p.view.width_px, at.x0, turned ? at.pxPerRow : at.pxPerColumn,
+                 turned ? info.rows : info.columns, nearest);
+  d.ys = besides(p.view.height_px, at.y0, turned ? at.pxPerColumn : at.pxPerRow,
+                 turned ? info.columns : info.rows, nearest);
   d.first = turned ? info.rows : info.columns;
   for (const Beside& b : d.xs)
     if (b.first >= 0) d.first = std::min(d.first, b.first), d.last = std::max(d.last, b.second);

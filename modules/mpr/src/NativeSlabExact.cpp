@@ -18,8 +18,8 @@ double predicted_ms(const SliceParams& p, const PlanContext& context) {
                                                              : kExtreme_ns;
   native::SliceJob job = jobOf(p);
   if (p.volume->isColour()) job.volume = &p.volume->channel(0);
-  const double cells = static_cast<double>(p.view.width_px) * p.view.height_px * native::cellsPerSlabLine(job) *
-                       p.volume->info().channels;
+  const double cells = static_cast<double>(p.view.width_px) * p.view.height_px *
+                       native::cellsPerSlabLine(job) * p.volume->info().channels;
   return cells * ns * 1e-6 / std::max(1, context.capabilities.threads);
 }
 

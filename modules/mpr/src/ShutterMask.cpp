@@ -32,13 +32,15 @@ std::vector<glm::dvec2> spansOf(const std::vector<glm::dvec2>& polygon, double r
 
 }  // namespace
 
-std::vector<std::uint8_t> shutterMask(const Shutter& s, std::int64_t columns, std::int64_t rows, double rowPerColumn) {
+std::vector<std::uint8_t> shutterMask(const Shutter& s, std::int64_t columns, std::int64_t rows,
+                                      double rowPerColumn) {
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(columns * rows), 0);
   parallelFor(static_cast<std::size_t>(rows), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t j = begin; j < end; ++j) {
       std::uint8_t* const out = mask.data() + j * static_cast<std::size_t>(columns);
       const double row = static_cast<double>(j) + 1;
-      const std::vector<glm::dvec2> spans = s.polygon.empty() ? std::vector<glm::dvec2>() : spansOf(s.polygon, row);
+      const std::vector<glm::dvec2> spans =
+          s.polygon.empty() ? std::vector<glm::dvec2>() : spansOf(s.polygon, row);
       for (std::int64_t i = 0; i < columns; ++i) {
         const double column = static_cast<double>(i) + 1;
         bool seen = true;

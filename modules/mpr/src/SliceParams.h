@@ -33,17 +33,18 @@ struct CurvedParams final : SampledParams {
   std::string dump() const override;
 };
 
-// Resolve volume, place, window and slab of a layer. Number of slab samples: ceil(thickness / (step * smallest
-// spacing)), at least 1; thickness 0 is a single slice.
-// `Colours::Refused` turns colour volumes away, for techniques that draw grey ones only.
+// Resolve volume, place, window and slab of a layer. Number of slab samples: ceil(thickness / (step *
+// smallest spacing)), at least 1; thickness 0 is a single slice. `Colours::Refused` turns colour volumes
+// away, for techniques that draw grey ones only.
 enum class Colours { Refused, Drawn };
-Result<std::shared_ptr<const SliceParams>> sliceParams(const Layer&, const PlanContext&, Colours = Colours::Refused);
+Result<std::shared_ptr<const SliceParams>> sliceParams(const Layer&, const PlanContext&,
+                                                       Colours = Colours::Refused);
 Result<std::shared_ptr<const CurvedParams>> curvedParams(const Layer&, const PlanContext&);
 // What the layer asks for and cannot be had.
 std::vector<std::string> notesOf(const SliceLayer&, const SliceParams&);
 
-// Gives the images the view's size. Native techniques write every pixel, so buffers of the right size are taken as they
-// are: a caller that hands in the last frame's images again saves the time of fresh memory.
+// Gives the images the view's size. Native techniques write every pixel, so buffers of the right size are
+// taken as they are: a caller that hands in the last frame's images again saves the time of fresh memory.
 void fitImages(Images&, const View&);
 
 Technique nativeSliceTechnique();

@@ -126,9 +126,9 @@ SliceJob columnJob(const CurvedJob& job, const CurvedColumn& column) {
 Result<void> drawCurved(const CurvedJob& job, Images& images, std::stop_token stop) {
   const std::size_t pixels = static_cast<std::size_t>(job.width_px) * static_cast<std::size_t>(job.height_px);
   if (job.width_px < 1 || job.height_px < 1 ||
-      job.picture->columns.size() != static_cast<std::size_t>(job.width_px) ||
-      images.width != job.width_px || images.height != job.height_px || images.colour.size() != 4 * pixels ||
-      images.depth.size() != pixels || (!images.values.empty() && images.values.size() != pixels))
+      job.picture->columns.size() != static_cast<std::size_t>(job.width_px) || images.width != job.width_px ||
+      images.height != job.height_px || images.colour.size() != 4 * pixels || images.depth.size() != pixels ||
+      (!images.values.empty() && images.values.size() != pixels))
     return makeError(ErrorCode::Internal, "The images of the frame do not have the size of the reformat.",
                      "drawCurved");
   Sheet sheet(job, images);

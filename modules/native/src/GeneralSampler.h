@@ -51,7 +51,8 @@ class GeneralSampler {
     const Four slices = fourSlices(z);
     double value = 0;
     for (std::size_t n = 0; n < 4; ++n)
-      if (slices.weight[n] != 0) value += slices.weight[n] * cubicInSlice(p, slices.first + static_cast<std::int64_t>(n));
+      if (slices.weight[n] != 0)
+        value += slices.weight[n] * cubicInSlice(p, slices.first + static_cast<std::int64_t>(n));
     if (std::isnan(value)) return linear(p, samples);
     ++samples;
     return value;
@@ -67,7 +68,7 @@ class GeneralSampler {
   }
 
   double value(Interpolation how, const glm::dvec3& p, std::uint64_t& samples) const {
-    return how == Interpolation::Linear ? linear(p, samples)
+    return how == Interpolation::Linear  ? linear(p, samples)
            : how == Interpolation::Cubic ? cubic(p, samples)
                                          : nearest(p, samples);
   }
@@ -98,7 +99,9 @@ class GeneralSampler {
   Four fourSlices(const Pair& z) const {
     if (z.first == z.second) return {z.first - 1, {0, 1, 0, 0}};
     if (grid_.even()) return fourAlong(z, grid_.slices);
-    const auto height = [&](std::int64_t slice) { return grid_.sliceOrigin_vox[static_cast<std::size_t>(slice)].z; };
+    const auto height = [&](std::int64_t slice) {
+      return grid_.sliceOrigin_vox[static_cast<std::size_t>(slice)].z;
+    };
     const double step = height(z.second) - height(z.first);
     // The distance between two neighbouring slices in steps; 0 where they are none to each other.
     const auto distance = [&](std::int64_t lower) {

@@ -39,8 +39,8 @@ struct FastSlice {
 std::optional<FastSlice> fastSliceOf(const SliceJob&, const VoxelLattice&, const Display&);
 
 // Cubic interpolation is a source of its own; drawFast() hands over to it.
-std::uint64_t drawFastCubic(const FastSlice&, const SliceJob&, const VoxelLattice&, const Display&, const Target&,
-                            const Tile&, const std::stop_token&);
+std::uint64_t drawFastCubic(const FastSlice&, const SliceJob&, const VoxelLattice&, const Display&,
+                            const Target&, const Tile&, const std::stop_token&);
 
 // Draws a tile whose x0 is a multiple of kBlock_px; returns the number of samples that lay in the volume.
 std::uint64_t drawFast(const FastSlice&, const SliceJob&, const VoxelLattice&, const Display&, const Target&,

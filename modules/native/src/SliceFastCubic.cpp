@@ -13,16 +13,16 @@ namespace HWY_NAMESPACE {
 
 template <class T>
 std::uint64_t DrawCubicType(const FastSlice& s, const SliceJob& job, const VoxelLattice& lattice,
-                       const Display& display, const Target& target, const Tile& tile,
-                       const std::stop_token& stop) {
+                            const Display& display, const Target& target, const Tile& tile,
+                            const std::stop_token& stop) {
   const Scene<T> scene{s, job, lattice, display, target, GeneralSampler<T>(*job.volume)};
   return s.hasRange ? DrawRows<T, Interpolation::Cubic, true>(scene, tile, stop)
                     : DrawRows<T, Interpolation::Cubic, false>(scene, tile, stop);
 }
 
 std::uint64_t DrawCubicTile(const FastSlice& s, const SliceJob& job, const VoxelLattice& lattice,
-                       const Display& display, const Target& target, const Tile& tile,
-                       const std::stop_token& stop) {
+                            const Display& display, const Target& target, const Tile& tile,
+                            const std::stop_token& stop) {
   switch (job.volume->type()) {
     case VoxelType::U8:
       return DrawCubicType<std::uint8_t>(s, job, lattice, display, target, tile, stop);
@@ -45,8 +45,8 @@ namespace vernier::native {
 HWY_EXPORT(DrawCubicTile);
 
 std::uint64_t drawFastCubic(const FastSlice& s, const SliceJob& job, const VoxelLattice& lattice,
-                       const Display& display, const Target& target, const Tile& tile,
-                       const std::stop_token& stop) {
+                            const Display& display, const Target& target, const Tile& tile,
+                            const std::stop_token& stop) {
   return HWY_DYNAMIC_DISPATCH(DrawCubicTile)(s, job, lattice, display, target, tile, stop);
 }
 

@@ -252,8 +252,8 @@ HWY_NOINLINE void DrawEdgeBlock(const Scene<T>& scene, const std::int64_t (&fine
   // A block that the picture's edge cuts goes through buffers of its own, and is masked all along.
   span.inBegin = span.inEnd = span.anyEnd;
   float rgba[4 * kBlock_px], depth[kBlock_px], values[kBlock_px];
-  DrawLanes<T, kI, kRange, false>(scene, fine, span, x, n, y,
-                                       {rgba, depth, out.values ? values : nullptr}, samples);
+  DrawLanes<T, kI, kRange, false>(scene, fine, span, x, n, y, {rgba, depth, out.values ? values : nullptr},
+                                  samples);
   std::copy(rgba, rgba + 4 * n, out.rgba);
   std::copy(depth, depth + n, out.depth);
   if (out.values) std::copy(values, values + n, out.values);

@@ -214,9 +214,10 @@ HWY_INLINE CubicCell CubicAlong(const FastSlice& s, const Base& b, int axis, VI 
   const V t = cell.fraction, one = hn::Set(d, 1.0f), half = hn::Set(d, 0.5f);
   const V u = hn::Sub(one, t);
   const V side = hn::Mul(hn::Mul(half, t), hn::Neg(u));  // -t u / 2
-  CubicCell c{hn::Sub(cell.index, hn::Set(di, 1)), hn::Mul(side, u),
-              hn::Mul(hn::Mul(half, t), hn::MulAdd(t, hn::NegMulAdd(hn::Set(d, 3.0f), t, hn::Set(d, 4.0f)), one)),
-              hn::Mul(side, t)};
+  CubicCell c{
+      hn::Sub(cell.index, hn::Set(di, 1)), hn::Mul(side, u),
+      hn::Mul(hn::Mul(half, t), hn::MulAdd(t, hn::NegMulAdd(hn::Set(d, 3.0f), t, hn::Set(d, 4.0f)), one)),
+      hn::Mul(side, t)};
   if constexpr (kClamp) {
     // In the first and the last cell of an axis: the parabola through the three voxels that there are.
     constexpr std::int64_t far = 1 << 20;
@@ -236,7 +237,8 @@ HWY_INLINE CubicCell CubicAlong(const FastSlice& s, const Base& b, int axis, VI 
 // Differences from the second value, so that rounding counts against the local range only.
 template <bool kExactEnd>
 HWY_INLINE V Blend(V a, V b, V c, V e, const CubicCell& w) {
-  const V v = hn::Add(b, hn::MulAdd(w.w3, hn::Sub(e, b), hn::MulAdd(w.w2, hn::Sub(c, b), hn::Mul(w.w0, hn::Sub(a, b)))));
+  const V v = hn::Add(
+      b, hn::MulAdd(w.w3, hn::Sub(e, b), hn::MulAdd(w.w2, hn::Sub(c, b), hn::Mul(w.w0, hn::Sub(a, b)))));
   if constexpr (!kExactEnd) return v;
   const V one = hn::Set(D(), 1.0f);
   return hn::IfThenElse(hn::Eq(w.w0, one), a,
@@ -245,7 +247,8 @@ HWY_INLINE V Blend(V a, V b, V c, V e, const CubicCell& w) {
 
 // Four neighbours along x from one read of bytes, two of 16 bits, four of floats.
 template <class T, bool kRange, bool kClamp>
-HWY_INLINE V CubicAlongX(const FastSlice& s, const std::uint8_t* row, VI offset, const CubicCell& w, NoData& noData) {
+HWY_INLINE V CubicAlongX(const FastSlice& s, const std::uint8_t* row, VI offset, const CubicCell& w,
+                         NoData& noData) {
   const D d;
   const DI di;
   if constexpr (std::is_same_v<T, float>) {
@@ -263,9 +266,9 @@ HWY_INLINE V CubicAlongX(const FastSlice& s, const std::uint8_t* row, VI offset,
     else
       Unpack<T>(hn::GatherOffset(di, reinterpret_cast<const std::int32_t*>(row + 4), offset), c, e);
     if constexpr (kRange) Tally(s, a, b, noData), Tally(s, c, e, noData);
-    const V sum = hn::MulAdd(w.w3, hn::ConvertTo(d, hn::Sub(e, b)),
-                             hn::MulAdd(w.w2, hn::ConvertTo(d, hn::Sub(c, b)),
-                                        hn::Mul(w.w0, hn::ConvertTo(d, hn::Sub(a, b)))));
+    const V sum = hn::MulAdd(
+        w.w3, hn::ConvertTo(d, hn::Sub(e, b)),
+        hn::MulAdd(w.w2, hn::ConvertTo(d, hn::Sub(c, b)), hn::Mul(w.w0, hn::ConvertTo(d, hn::Sub(a, b)))));
     return hn::Add(hn::ConvertTo(d, hn::Sub(b, hn::Set(di, s.bias))), sum);
   }
 }
@@ -297,8 +300,10 @@ HWY_INLINE V ReadCubic(const FastSlice& s, const Base& b, const VI (&lanes)[3], 
 // w of one vector of lanes. `inside` (clamped only) loses the lanes that lie outside the volume.
 template <class T, Interpolation kI, bool kRange, bool kClamp>
 HWY_INLINE V Read(const FastSlice& s, const Base& b, const VI (&lanes)[3], M& inside, NoData& noData) {
-  if constexpr (kI == Interpolation::Nearest) return ReadNearest<T, kRange, kClamp>(s, b, lanes, inside, noData);
-  if constexpr (kI == Interpolation::Linear) return ReadLinear<T, kRange, kClamp>(s, b, lanes, inside, noData);
+  if constexpr (kI == Interpolation::Nearest)
+    return ReadNearest<T, kRange, kClamp>(s, b, lanes, inside, noData);
+  if constexpr (kI == Interpolation::Linear)
+    return ReadLinear<T, kRange, kClamp>(s, b, lanes, inside, noData);
   return ReadCubic<T, kRange, kClamp>(s, b, lanes, inside, noData);
 }
 

@@ -128,7 +128,9 @@ TextLine windowLine(const VoiWindow& w, const std::string& unit, bool inverted) 
   return plain(both + (named ? " " + unit : "") + suffix, both + (inverted ? " inv" : ""));
 }
 
-TextLine colourLine(bool inverted) { return plain(inverted ? "colour, inverted" : "colour", inverted ? "inv" : ""); }
+TextLine colourLine(bool inverted) {
+  return plain(inverted ? "colour, inverted" : "colour", inverted ? "inv" : "");
+}
 
 // The window, or that there is none.
 TextLine valueLine(const VoiWindow& w, const VolumeInfo& info, bool inverted) {
@@ -151,13 +153,14 @@ Annotations describeSlice(const SliceLayer& layer, const SlicePicture& picture, 
   out.mmPerPixel = picture.mmPerPixel;
   std::string what = layer.slab.thickness_mm > 0 ? slabName(layer.slab) : "MPR";
   const std::string method = what;
-  if (const std::string name = planeName(picture.normal, !says(info.findings, "axes-unknown")); !name.empty()) {
+  if (const std::string name = planeName(picture.normal, !says(info.findings, "axes-unknown"));
+      !name.empty()) {
     const std::string number = sliceNumber(info.grid, picture, layer.plane.point);
     what += " " + name + (number.empty() ? "" : " " + number);
   }
   out.what.push_back(plain(what, method));
-  const bool across = std::abs(glm::dot(picture.normal.v, stackNormal(info.grid))) < 0.9999 ||
-                      layer.slab.thickness_mm > 0;
+  const bool across =
+      std::abs(glm::dot(picture.normal.v, stackNormal(info.grid))) < 0.9999 || layer.slab.thickness_mm > 0;
   describeVolume(info, layer.interpolation, across, out);
   out.status.push_back(valueLine(window, info, layer.invert));
   return out;

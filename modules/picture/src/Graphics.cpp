@@ -26,7 +26,8 @@ struct Place {
 };
 
 Place placeOf(const FramePresentation& f, const ImagePicture& picture, const ImageFrameInfo& info) {
-  glm::dvec2 least(-0.5), greatest(static_cast<double>(info.columns) - 0.5, static_cast<double>(info.rows) - 0.5);
+  glm::dvec2 least(-0.5),
+      greatest(static_cast<double>(info.columns) - 0.5, static_cast<double>(info.rows) - 0.5);
   if (f.area) {
     least = glm::min(f.area->topLeft, f.area->bottomRight) - 1.5;
     greatest = glm::max(f.area->topLeft, f.area->bottomRight) - 0.5;
@@ -130,8 +131,9 @@ void eachLine(const DrawnText& t, int letter_px, Fn&& fn) {
 void drawSegment(Picture& picture, glm::dvec2 a, glm::dvec2 b, double width, std::uint8_t grey) {
   const double reach = 0.5 * width + 1;
   const auto range = [&](double p, double q, int size) {
-    return std::pair{static_cast<int>(std::clamp(std::floor(std::min(p, q) - reach), 0.0, static_cast<double>(size))),
-                     static_cast<int>(std::clamp(std::ceil(std::max(p, q) + reach), 0.0, static_cast<double>(size)))};
+    return std::pair{
+        static_cast<int>(std::clamp(std::floor(std::min(p, q) - reach), 0.0, static_cast<double>(size))),
+        static_cast<int>(std::clamp(std::ceil(std::max(p, q) + reach), 0.0, static_cast<double>(size)))};
   };
   const auto [y0, y1] = range(a.y, b.y, picture.height);
   const glm::dvec2 ab = b - a;
@@ -175,7 +177,9 @@ void fillArea(Picture& picture, const std::vector<glm::dvec2>& p, std::uint8_t g
   }
 }
 
-std::uint8_t level(double grey) { return static_cast<std::uint8_t>(std::floor(255 * std::clamp(grey, 0.0, 1.0) + 0.5)); }
+std::uint8_t level(double grey) {
+  return static_cast<std::uint8_t>(std::floor(255 * std::clamp(grey, 0.0, 1.0) + 0.5));
+}
 
 }  // namespace
 
@@ -205,7 +209,8 @@ void drawGraphics(Picture& picture, const Graphics& graphics, int letter_px) {
     segments(line, width, level(line.grey));
   }
   for (const DrawnText& t : graphics.texts)
-    eachLine(t, letter_px, [&](const std::string& line, int x, int y) { drawOutline(picture, x, y, line, letter_px); });
+    eachLine(t, letter_px,
+             [&](const std::string& line, int x, int y) { drawOutline(picture, x, y, line, letter_px); });
   for (const DrawnText& t : graphics.texts) {
     const std::uint8_t v = std::max<std::uint8_t>(level(t.grey), 160);  // the outline is dark
     eachLine(t, letter_px, [&](const std::string& line, int x, int y) {

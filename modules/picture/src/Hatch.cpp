@@ -60,7 +60,8 @@ std::size_t hatch(Picture& picture, const Images& images, const GridGeometry& gr
 
 std::size_t hatchGaps(Picture& picture, const Images& images, const SlicePicture& slice,
                       const GridGeometry& grid) {
-  return hatch(picture, images, grid, [&](glm::dvec2 pixel) { return std::optional(patientAt(slice, pixel)); });
+  return hatch(picture, images, grid,
+               [&](glm::dvec2 pixel) { return std::optional(patientAt(slice, pixel)); });
 }
 
 std::size_t hatchGaps(Picture& picture, const Images& images, const CurvedPicture& curved,

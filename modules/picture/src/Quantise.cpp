@@ -2,8 +2,8 @@
 #include "vernier/picture/Quantise.h"
 
 #include <algorithm>
-#include <utility>
 #include <cstdint>
+#include <utility>
 
 #include "vernier/base/Threads.h"
 

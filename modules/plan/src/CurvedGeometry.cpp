@@ -24,7 +24,8 @@ Result<void> checkPoints(const std::vector<PatientPoint>& path) {
   for (std::size_t n = 0; n < path.size(); ++n) {
     const glm::dvec3 p = path[n].p;
     if (!finite(p) || std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) > kFarthest_mm)
-      return degenerate("Point " + std::to_string(n + 1) + " of the path is not a place within 100 m; correct it.");
+      return degenerate("Point " + std::to_string(n + 1) +
+                        " of the path is not a place within 100 m; correct it.");
   }
   return {};
 }

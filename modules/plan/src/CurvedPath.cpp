@@ -83,11 +83,11 @@ Result<CurvedPath> CurvedPath::make(std::span<const PatientPoint> given, glm::dv
   path.nodes_.push_back({0, 0, 0, path.pieces_[0].c0, path.tangentAt(0, 0), up});
   for (std::size_t i = 0; i < path.pieces_.size(); ++i)
     if (!path.addNodes(i, 0, 1, 0))
-      return degenerate(std::string(seenAlongUp ? "Seen along its up vector the path stands still or turns back"
-                                                : "The path turns back on itself") +
-                        " near point " + std::to_string(i + 1) + " of " + std::to_string(given.size()) +
-                        (seenAlongUp ? "; take another up vector, or the straightened form."
-                                     : "; leave that point out."));
+      return degenerate(
+          std::string(seenAlongUp ? "Seen along its up vector the path stands still or turns back"
+                                  : "The path turns back on itself") +
+          " near point " + std::to_string(i + 1) + " of " + std::to_string(given.size()) +
+          (seenAlongUp ? "; take another up vector, or the straightened form." : "; leave that point out."));
   path.measure();
   if (!path.carryUp(up))
     return degenerate("The up vector runs along the path's beginning; give a direction across it.");

@@ -35,8 +35,8 @@ class CurvedPath {
     double radius_mm = 0, at_mm = 0;
   };
   Overlap overlap(double half_mm, double halfSlab_mm) const;
-  // Arc length at which the curve first meets itself again (within 1/2700 of its length), below 0 when it does
-  // not.
+  // Arc length at which the curve first meets itself again (within 1/2700 of its length), below 0 when it
+  // does not.
   double crossing() const;
 
  private:

@@ -7,6 +7,7 @@
 
 #include "Numbers.h"
 #include "vernier/base/Guarded.h"
+#include "vernier/plan/Volumetric.h"
 
 namespace vernier {
 namespace {
@@ -60,6 +61,14 @@ bool holds(const Scene& scene) {
                      [](const Layer& l) { return std::holds_alternative<Kind>(l); });
 }
 
+bool throughVolume(const Layer& layer) {
+  return std::holds_alternative<ProjectionLayer>(layer) || std::holds_alternative<ShellsLayer>(layer);
+}
+bool throughVolume(const Scene& scene) {
+  return std::any_of(scene.layers.begin(), scene.layers.end(),
+                     [](const Layer& l) { return throughVolume(l); });
+}
+
 // Plans one layer after the other into `plan`.
 class Planner {
  public:
@@ -74,6 +83,9 @@ class Planner {
       return {};
     }
     const std::vector<const Technique*> drawing = techniques_.drawing(kind);
+    // The technique of the volume draws the tools that stand in it.
+    if (std::holds_alternative<SurfaceLayer>(layer) && !drawing.empty() && throughVolume(context_.scene))
+      return {};
     if (drawing.empty()) {
       const std::string plugin = pluginOf(kind);
       plan_.notes.push_back(
@@ -201,14 +213,15 @@ class Planner {
 };
 
 // A whole-picture layer covers what lies under it: two of them need a way to be combined, which is not built
-// yet. Surfaces are combined by the technique that draws them; on a slice they are outlines.
+// yet. Surfaces are combined by the technique that draws them or the volume around them; on a slice they are
+// outlines.
 Result<void> checkPairs(const Scene& scene) {
   std::optional<std::size_t> first;
+  const bool takesSurfaces = holds<SliceLayer>(scene) || throughVolume(scene);
   for (std::size_t i = 0; i < scene.layers.size(); ++i) {
     if (std::holds_alternative<CustomLayer>(scene.layers[i])) continue;
     const bool surface = std::holds_alternative<SurfaceLayer>(scene.layers[i]);
-    if (surface &&
-        (holds<SliceLayer>(scene) || (first && std::holds_alternative<SurfaceLayer>(scene.layers[*first]))))
+    if (surface && (takesSurfaces || (first && std::holds_alternative<SurfaceLayer>(scene.layers[*first]))))
       continue;
     if (first)
       return makeError(ErrorCode::NotBuiltYet,
@@ -266,7 +279,15 @@ Result<Plan> makePlan(const Scene& scene, const View& view, const Quality& quali
   if (Result<void> pairs = checkPairs(scene); !pairs) return pairs.error();
 
   Plan plan;
-  const PlanContext context{scene, view, quality, capabilities, costs, sources};
+  PlanContext context{scene, view, quality, capabilities, costs, sources};
+  if (throughVolume(scene) && !techniques.drawing("surface").empty()) {
+    Result<std::vector<PlacedSurface>> tools = placedSurfaces(scene, sources);
+    if (!tools) return tools.error();
+    context.tools = std::move(*tools);
+  }
+  if (!throughVolume(scene) && (scene.crop || !scene.clip.empty()))
+    plan.notes.push_back(
+        "crop box and clip planes cut layers that look through a volume; there is none here");
   Planner planner(context, techniques, plan);
   for (std::size_t i = 0; i < scene.layers.size(); ++i)
     if (Result<void> added = planner.add(i); !added) return added.error();
@@ -285,9 +306,10 @@ std::string pluginOf(const std::string& kind) {
   struct Row {
     const char *kind, *plugin;
   };
-  constexpr Row rows[] = {{"image", "mpr"},   {"slice", "mpr"},      {"curved", "mpr"},
-                          {"projection", "angiography"}, {"shells", "angiography"}, {"volume", "dvr"},
-                          {"isosurface", "dvr"}, {"surface", "surgery"}, {"lens", "lens"}};
+  constexpr Row rows[] = {
+      {"image", "mpr"},          {"slice", "mpr"},  {"curved", "mpr"},     {"projection", "angiography"},
+      {"shells", "angiography"}, {"volume", "dvr"}, {"isosurface", "dvr"}, {"surface", "surgery"},
+      {"lens", "lens"}};
   for (const Row& row : rows)
     if (kind == row.kind) return row.plugin;
   const std::size_t dot = kind.find('.');

@@ -86,7 +86,8 @@ Result<SlicePicture> slicePicture(const SliceLayer& layer, const Camera& camera,
   if (normal == glm::dvec3(0)) return degenerate("The plane's normal has no length or is not finite");
   if (wanted == glm::dvec3(0)) return degenerate("The plane's up vector has no length or is not finite");
   const glm::dvec3 across = glm::cross(wanted, normal);
-  if (!(glm::length(across) >= kLeastAngle_rad)) return degenerate("The plane's up vector is parallel to its normal");
+  if (!(glm::length(across) >= kLeastAngle_rad))
+    return degenerate("The plane's up vector is parallel to its normal");
   const glm::dvec3 right = glm::normalize(across);
   const glm::dvec3 up = glm::cross(normal, right);
 
@@ -195,7 +196,8 @@ ImagePicture imagePicture(const ImageLayer& layer, const Camera& camera, const V
 
 glm::dvec2 frameFromPicture(const ImagePicture& p, glm::dvec2 pixel) {
   const glm::dvec2 at(pixel.x - p.x0, pixel.y - p.y0);
-  return {(p.transposed ? at.y : at.x) / p.pxPerColumn - 0.5, (p.transposed ? at.x : at.y) / p.pxPerRow - 0.5};
+  return {(p.transposed ? at.y : at.x) / p.pxPerColumn - 0.5,
+          (p.transposed ? at.x : at.y) / p.pxPerRow - 0.5};
 }
 
 glm::dvec2 pictureFromFrame(const ImagePicture& p, glm::dvec2 columnRow) {

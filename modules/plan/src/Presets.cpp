@@ -75,6 +75,69 @@ Result<Scene> curvedScene(const std::string& source, const PresetOptions& option
   return scene;
 }
 
+// The views through a volume have a camera and no plane.
+Result<void> noPlane(const std::string& view, const PresetOptions& options) {
+  const std::pair<const char*, bool> given[] = {{"slice", options.slice.has_value()},
+                                                {"plane", options.plane.has_value()},
+                                                {"slab", options.slab.has_value()},
+                                                {"path", options.curved.has_value()}};
+  for (const auto& [what, isGiven] : given)
+    if (isGiven)
+      return makeError(ErrorCode::OptionInvalid,
+                       "The view '" + view + "' looks through the whole volume; turn it with a camera.",
+                       what);
+  if (options.interpolation == Interpolation::Cubic)
+    return makeError(ErrorCode::OptionInvalid,
+                     "The view '" + view + "' interpolates with nearest or linear; cubic is for slices.",
+                     "interpolation");
+  return {};
+}
+
+const std::map<std::string, ProjectionMode>& projections() {
+  static const std::map<std::string, ProjectionMode> modes = {{"mip", ProjectionMode::Max},
+                                                              {"minip", ProjectionMode::Min},
+                                                              {"sum", ProjectionMode::Sum},
+                                                              {"mean", ProjectionMode::Mean},
+                                                              {"attenuation", ProjectionMode::Attenuation}};
+  return modes;
+}
+
+Result<Scene> throughVolume(const std::string& view, const std::string& source,
+                            const PresetOptions& options) {
+  if (const Result<void> ok = noPlane(view, options); !ok) return ok.error();
+  Scene scene;
+  scene.camera = options.camera;
+  const bool shells = view.starts_with("shells");
+  if (shells ? options.projection.has_value() : options.shells.has_value())
+    return makeError(
+        ErrorCode::OptionInvalid,
+        shells ? "The view '" + view + "' shows shells and takes no cue or gain of projections."
+               : "Levels and brightness of shells belong to the views shells, shells-sum and shells-lit.",
+        shells ? "gain" : "levels");
+  if (shells) {
+    ShellsLayer layer = options.shells.value_or(ShellsLayer{});
+    layer.source = source;
+    layer.mode = view == "shells-sum"   ? ShellsMode::Sum
+                 : view == "shells-lit" ? ShellsMode::Lit
+                                        : ShellsMode::Max;
+    layer.window = options.window;
+    scene.layers.emplace_back(std::move(layer));
+    return scene;
+  }
+  ProjectionLayer layer = options.projection.value_or(ProjectionLayer{});
+  layer.source = source;
+  layer.mode = projections().at(view);
+  layer.interpolation = options.interpolation;
+  layer.window = options.window;
+  if (layer.cue > 0 && layer.mode != ProjectionMode::Max)
+    return makeError(ErrorCode::OptionInvalid, "A depth cue belongs to the views mip and shells.", "cue");
+  const bool gains = layer.mode == ProjectionMode::Sum || layer.mode == ProjectionMode::Attenuation;
+  if (layer.gain_perMm && !gains)
+    return makeError(ErrorCode::OptionInvalid, "A gain belongs to the views sum and attenuation.", "gain");
+  scene.layers.emplace_back(std::move(layer));
+  return scene;
+}
+
 }  // namespace
 
 const std::vector<std::string>& viewNames() {
@@ -133,15 +196,21 @@ Result<Scene> presetScene(const std::string& viewName, const std::string& source
   if (plugin.empty())
     return makeError(ErrorCode::SceneInvalid,
                      "There is no view called '" + viewName +
-                         "'; views are: stack, axial, coronal, sagittal, oblique, slab, curved.");
+                         "'; views are: stack, axial, coronal, sagittal, oblique, slab, curved, mip, minip, "
+                         "sum, mean, attenuation, shells, shells-sum, shells-lit.");
+  if (plugin == "angiography") return throughVolume(viewName, source, options);
   if (plugin != "mpr")
     return makeError(ErrorCode::NotBuiltYet,
                      "The view '" + viewName + "' comes with the plugin " + plugin +
-                         ", which is not built yet; use axial, coronal, sagittal, oblique or slab.");
+                         ", which is not built yet; use axial, coronal, sagittal, oblique, slab or mip.");
   if (viewName == "stack")
     return makeError(ErrorCode::SceneInvalid,
                      "The view 'stack' shows stored frames and is not made from a volume.");
 
+  if (options.shells || options.projection)
+    return makeError(ErrorCode::OptionInvalid,
+                     "Levels, cue and gain belong to the views through a volume, such as mip and shells.",
+                     "levels");
   if (viewName == "curved") return curvedScene(source, options);
   if (options.curved)
     return makeError(ErrorCode::OptionInvalid, "A path belongs to the view 'curved'.", "path");

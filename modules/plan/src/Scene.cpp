@@ -9,6 +9,8 @@ std::string kind(const ImageLayer&) { return "image"; }
 std::string kind(const SliceLayer&) { return "slice"; }
 std::string kind(const CurvedLayer&) { return "curved"; }
 std::string kind(const SurfaceLayer&) { return "surface"; }
+std::string kind(const ProjectionLayer&) { return "projection"; }
+std::string kind(const ShellsLayer&) { return "shells"; }
 std::string kind(const CustomLayer& layer) { return layer.kind; }
 }  // namespace
 

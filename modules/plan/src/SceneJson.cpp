@@ -1,41 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "vernier/plan/SceneJson.h"
 
-#include <cmath>
 #include <limits>
 
 #include "JsonText.h"
-#include "Numbers.h"
 #include "SceneReader.h"
+#include "SceneWriter.h"
 #include "vernier/base/Guarded.h"
 
 namespace vernier {
-namespace {
-
-// --- writing: by hand, since the order of keys and the shape of numbers are ours to keep.
-
-template <class... Parts>
-std::string cat(const Parts&... parts) {
-  std::string out;
-  ((out += parts), ...);
-  return out;
-}
-
-std::string number(double x) {
-  if (!std::isfinite(x)) return "null";
-  if (x == 0 && std::signbit(x)) return "-0.0";  // "-0" would come back as the integer 0
-  return shortest(x);
-}
-std::string text(const std::string& s) {
-  return nlohmann::json(s).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-const char* flag(bool b) { return b ? "true" : "false"; }
-std::string vec(glm::dvec3 v) { return cat("[", number(v.x), ", ", number(v.y), ", ", number(v.z), "]"); }
 
 std::string write(const VoiWindow& w) {
   return cat("{\"center\": ", number(w.center), ", \"width\": ", number(w.width), ", \"function\": \"",
              nameOf(w.function), "\", \"explanation\": ", text(w.explanation), "}");
 }
+
+namespace {
+
 std::string write(const Camera& c) {
   return cat("{\"azimuth_deg\": ", number(c.azimuth_deg), ", \"elevation_deg\": ", number(c.elevation_deg),
              ", \"roll_deg\": ", number(c.roll_deg), ", \"projection\": \"", nameOf(c.projection),
@@ -66,11 +47,11 @@ std::string write(const CurvedLayer& l) {
   std::string path;
   for (const PatientPoint& p : l.path) path += cat(path.empty() ? "" : ", ", vec(p.p));
   return cat("{\"kind\": \"curved\", \"source\": ", text(l.source), ", \"path\": [", path, "], \"form\": \"",
-             nameOf(l.form), "\"", l.up ? cat(", \"up\": ", vec(l.up->v)) : "", ", \"width_mm\": ",
-             number(l.width_mm), ", \"slab\": {\"thickness_mm\": ", number(l.slab.thickness_mm),
-             ", \"mode\": \"", nameOf(l.slab.mode), "\"}, \"interpolation\": \"", nameOf(l.interpolation),
-             "\"", l.window ? cat(", \"window\": ", write(*l.window)) : "", ", \"invert\": ", flag(l.invert),
-             "}");
+             nameOf(l.form), "\"", l.up ? cat(", \"up\": ", vec(l.up->v)) : "",
+             ", \"width_mm\": ", number(l.width_mm),
+             ", \"slab\": {\"thickness_mm\": ", number(l.slab.thickness_mm), ", \"mode\": \"",
+             nameOf(l.slab.mode), "\"}, \"interpolation\": \"", nameOf(l.interpolation), "\"",
+             l.window ? cat(", \"window\": ", write(*l.window)) : "", ", \"invert\": ", flag(l.invert), "}");
 }
 std::string write(const SurfaceLayer& l) {
   const glm::dmat4 m = l.pose.matrix();
@@ -119,7 +100,9 @@ std::string writeScene(const Scene& scene) {
         cat(layers.empty() ? "\n    " : ",\n    ", std::visit([](const auto& l) { return write(l); }, layer));
   return cat("{\n  \"schema\": ", std::to_string(kSceneSchema), ",\n  \"camera\": ", write(scene.camera),
              ",\n  \"background\": ", vec({scene.background.r, scene.background.g, scene.background.b}),
-             ",\n  \"layers\": [", layers, scene.layers.empty() ? "]\n}\n" : "\n  ]\n}\n");
+             scene.crop ? cat(",\n  \"crop\": ", write(*scene.crop)) : "",
+             scene.clip.empty() ? "" : cat(",\n  \"clip\": ", write(scene.clip)), ",\n  \"layers\": [",
+             layers, scene.layers.empty() ? "]\n}\n" : "\n  ]\n}\n");
 }
 
 Result<Scene> parseScene(std::string_view json) {
@@ -131,6 +114,8 @@ Result<Scene> parseScene(std::string_view json) {
     Scene scene;
     if (top.has("camera")) scene.camera = readCamera(top.child("camera"), "/camera");
     if (top.has("background")) scene.background = readRgb(top, "background");
+    if (top.has("crop")) scene.crop = readCrop(top.child("crop"), "/crop");
+    if (top.has("clip")) scene.clip = readClip(top.child("clip"), "/clip");
     const nlohmann::json& layers = top.array("layers");
     top.refuseOthers();
     if (layers.size() > kMaxSceneLayers)
@@ -149,6 +134,10 @@ Result<Scene> parseScene(std::string_view json) {
         scene.layers.emplace_back(readCurved(layers[i], path));
       else if (kind == "surface")
         scene.layers.emplace_back(readSurfaceLayer(layers[i], path));
+      else if (kind == "projection")
+        scene.layers.emplace_back(readProjection(layers[i], path));
+      else if (kind == "shells")
+        scene.layers.emplace_back(readShells(layers[i], path));
       else
         scene.layers.emplace_back(readCustom(layers[i], path, texts.at(i)));
     }
@@ -166,7 +155,9 @@ Result<CustomLayer> customLayer(std::string_view json) {
   return parsed<CustomLayer>([&] {
     const nlohmann::json value = parseJson(json);
     const std::string kind = kindAt(value, "");
-    if (kind == "image" || kind == "slice" || kind == "curved" || kind == "surface")
+    static const std::set<std::string> known = {"image",   "slice",      "curved",
+                                                "surface", "projection", "shells"};
+    if (known.contains(kind))
       throw JsonFault{"The kind '" + kind + "' is known and cannot be a custom layer.", "/kind"};
     return Result<CustomLayer>(readCustom(value, "", withoutSpace(json)));
   });

@@ -8,58 +8,17 @@
 namespace vernier {
 namespace {
 
-template <class E>
-struct Name {
-  E value;
-  const char* name;
-};
 constexpr Name<VoiFunction> kFunctions[] = {{VoiFunction::Linear, "linear"},
                                             {VoiFunction::LinearExact, "linear_exact"},
                                             {VoiFunction::Sigmoid, "sigmoid"}};
-constexpr Name<Interpolation> kInterpolations[] = {{Interpolation::Nearest, "nearest"},
-                                                   {Interpolation::Linear, "linear"},
-                                                   {Interpolation::Cubic, "cubic"}};
+constexpr Name<Interpolation> kInterpolations[] = {
+    {Interpolation::Nearest, "nearest"}, {Interpolation::Linear, "linear"}, {Interpolation::Cubic, "cubic"}};
 constexpr Name<CurvedForm> kCurvedForms[] = {{CurvedForm::Straightened, "straightened"},
                                              {CurvedForm::Stretched, "stretched"}};
 constexpr Name<SlabMode> kSlabModes[] = {
     {SlabMode::Max, "max"}, {SlabMode::Min, "min"}, {SlabMode::Mean, "mean"}};
 constexpr Name<Projection> kProjections[] = {{Projection::Orthographic, "orthographic"},
                                              {Projection::Perspective, "perspective"}};
-
-template <class E, std::size_t N>
-const char* nameIn(const Name<E> (&names)[N], E value) {
-  for (const Name<E>& n : names)
-    if (n.value == value) return n.name;
-  return names[0].name;
-}
-
-template <class E, std::size_t N>
-E choice(const ObjectReader& object, const std::string& key, const Name<E> (&names)[N]) {
-  const std::string given = object.text(key);
-  std::string known;
-  for (const Name<E>& n : names) {
-    if (given == n.name) return n.value;
-    known += (known.empty() ? "" : ", ") + std::string(n.name);
-  }
-  throw JsonFault{"'" + given + "' is none of: " + known + ".", object.pathOf(key)};
-}
-
-double above0(const ObjectReader& object, const std::string& key) {
-  const double x = object.number(key);
-  if (!(x > 0)) throw JsonFault{"The number must be above 0.", object.pathOf(key)};
-  return x;
-}
-
-VoiWindow readWindow(const nlohmann::json& value, const std::string& path) {
-  const ObjectReader o(value, path);
-  VoiWindow w;
-  w.center = o.number("center");
-  w.width = above0(o, "width");
-  if (o.has("function")) w.function = choice(o, "function", kFunctions);
-  if (o.has("explanation")) w.explanation = o.text("explanation");
-  o.refuseOthers();
-  return w;
-}
 
 Plane readPlane(const nlohmann::json& value, const std::string& path) {
   const ObjectReader o(value, path);
@@ -203,6 +162,27 @@ Camera readCamera(const nlohmann::json& value, const std::string& path) {
   if (c.near_mm < 0) throw JsonFault{"The near distance cannot be below 0.", o.pathOf("near_mm")};
   o.refuseOthers();
   return c;
+}
+
+Interpolation readInterpolation(const ObjectReader& object, const std::string& key) {
+  return choice(object, key, kInterpolations);
+}
+
+double above0(const ObjectReader& object, const std::string& key) {
+  const double x = object.number(key);
+  if (!(x > 0)) throw JsonFault{"The number must be above 0.", object.pathOf(key)};
+  return x;
+}
+
+VoiWindow readWindow(const nlohmann::json& value, const std::string& path) {
+  const ObjectReader o(value, path);
+  VoiWindow w;
+  w.center = o.number("center");
+  w.width = above0(o, "width");
+  if (o.has("function")) w.function = choice(o, "function", kFunctions);
+  if (o.has("explanation")) w.explanation = o.text("explanation");
+  o.refuseOthers();
+  return w;
 }
 
 Rgb readRgb(const ObjectReader& object, const std::string& key) {

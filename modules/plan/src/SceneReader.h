@@ -38,8 +38,33 @@ class ObjectReader {
   mutable std::set<std::string> read_;
 };
 
+template <class E>
+struct Name {
+  E value;
+  const char* name;
+};
+template <class E, std::size_t N>
+const char* nameIn(const Name<E> (&names)[N], E value) {
+  for (const Name<E>& n : names)
+    if (n.value == value) return n.name;
+  return names[0].name;
+}
+template <class E, std::size_t N>
+E choice(const ObjectReader& object, const std::string& key, const Name<E> (&names)[N]) {
+  const std::string given = object.text(key);
+  std::string known;
+  for (const Name<E>& n : names) {
+    if (given == n.name) return n.value;
+    known += (known.empty() ? "" : ", ") + std::string(n.name);
+  }
+  throw JsonFault{"'" + given + "' is none of: " + known + ".", object.pathOf(key)};
+}
+
 std::string kindAt(const nlohmann::json& layer, const std::string& path);
 void checkSchema(const ObjectReader& top);
+double above0(const ObjectReader&, const std::string& key);
+VoiWindow readWindow(const nlohmann::json&, const std::string& path);
+Interpolation readInterpolation(const ObjectReader&, const std::string& key);
 Camera readCamera(const nlohmann::json&, const std::string& path);
 Rgb readRgb(const ObjectReader&, const std::string& key);
 ImageLayer readImage(const nlohmann::json&, const std::string& path);
@@ -47,6 +72,11 @@ std::vector<PatientPoint> readPoints(const nlohmann::json& list, const std::stri
 CurvedLayer readCurved(const nlohmann::json&, const std::string& path);
 SliceLayer readSlice(const nlohmann::json&, const std::string& path);
 SurfaceLayer readSurfaceLayer(const nlohmann::json&, const std::string& path);
+// SceneVolumes.cpp: what looks through a volume.
+ProjectionLayer readProjection(const nlohmann::json&, const std::string& path);
+ShellsLayer readShells(const nlohmann::json&, const std::string& path);
+CropBox readCrop(const nlohmann::json&, const std::string& path);
+std::vector<HalfSpace> readClip(const nlohmann::json&, const std::string& path);
 
 const char* nameOf(VoiFunction);
 const char* nameOf(Interpolation);

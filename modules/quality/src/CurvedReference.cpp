@@ -30,7 +30,8 @@ std::vector<CurvePiece> piecesThrough(const std::vector<glm::dvec3>& points) {
   const auto apart = [&](std::size_t n) { return std::sqrt(glm::length(points[n + 1] - points[n])); };
   const std::size_t n = points.size();
   for (std::size_t i = 0; i + 1 < n; ++i) {
-    const double before = i > 0 ? apart(i - 1) / apart(i) : 0, after = i + 2 < n ? apart(i + 1) / apart(i) : 0;
+    const double before = i > 0 ? apart(i - 1) / apart(i) : 0,
+                 after = i + 2 < n ? apart(i + 1) / apart(i) : 0;
     const std::array<Poly, 4> w = overhauser(before, after, line(0, 1));
     CurvePiece piece;
     for (int a = 0; a < 3; ++a) {
@@ -176,7 +177,8 @@ Result<void> CurvedReference::place(const Camera& camera, const View& view) {
   const double across_mm = layer_.width_mm + heights.max - heights.min;
 
   const double w = view.width_px, h = view.height_px;
-  const double mm = (camera.height_mm ? *camera.height_mm / h : std::max(length_mm / w, across_mm / h)) / camera.zoom;
+  const double mm =
+      (camera.height_mm ? *camera.height_mm / h : std::max(length_mm / w, across_mm / h)) / camera.zoom;
   if (!(mm > 0) || !std::isfinite(mm) || !std::isfinite(length_mm))
     return makeError(ErrorCode::SceneInvalid, "The picture of the path has no finite scale.");
   const double middleRow = h / 2 + camera.pan_mm.y / mm, half_px = (0.5 * across_mm + kSlack_mm) / mm;
@@ -197,7 +199,8 @@ Result<void> CurvedReference::place(const Camera& camera, const View& view) {
     glm::dvec3 centre = pieces[knot->piece].point(u);
     const glm::dvec3 tangent = carrier.tangent(u);
     if (stretched) centre = carrier.flat(centre) + 0.5 * (heights.min + heights.max) * fixedUp;
-    const glm::dvec3 upHere = stretched ? fixedUp : glm::normalize(at.up - glm::dot(at.up, tangent) * tangent);
+    const glm::dvec3 upHere =
+        stretched ? fixedUp : glm::normalize(at.up - glm::dot(at.up, tangent) * tangent);
     Column column;
     column.down = -mm * upHere;
     column.top = centre - middleRow * column.down;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One curved reformat in double, by means of its own: the path as polynomials from Lagrange's form, arc length and
-// the frame that does not turn about the path by integrating their differential equations (Runge-Kutta).
-// CurvedGeometry.h of module plan says what is meant.
+// One curved reformat in double, by means of its own: the path as polynomials from Lagrange's form, arc
+// length and the frame that does not turn about the path by integrating their differential equations
+// (Runge-Kutta). CurvedGeometry.h of module plan says what is meant.
 #pragma once
 #include <utility>
 #include <vector>
@@ -21,13 +21,14 @@ class CurvedReference {
 
   // The line of a column, with the picture's own columns and one more on each side; nullopt beyond the path.
   struct Column {
-    glm::dvec3 top, down, normal;  // patient; y pixels below the picture's top: top + y * down
+    glm::dvec3 top, down, normal;      // patient; y pixels below the picture's top: top + y * down
     double firstRow = 0, lastRow = 0;  // the sheet's borders, picture coordinates
   };
   std::optional<Column> columnAt(int x) const;
 
  private:
-  CurvedReference(VolumeReading reading, const CurvedLayer& layer) : reading_(std::move(reading)), layer_(layer) {}
+  CurvedReference(VolumeReading reading, const CurvedLayer& layer)
+      : reading_(std::move(reading)), layer_(layer) {}
   Result<void> place(const Camera&, const View&);
   std::optional<glm::dvec3> pointAt(glm::dvec2 pixel, glm::dvec3& normal) const;
 

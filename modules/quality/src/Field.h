@@ -87,7 +87,8 @@ class Field {
   // The cubic field at a point of slice span `k`, and along a piece from a to b; nullopt where one of its
   // voxels has no data, so that the linear field holds there.
   std::optional<double> cubicAt(const Span& k, glm::dvec3 p, LocalRange*) const;
-  std::optional<Poly> cubicAlong(const Span& k, glm::dvec3 mid, glm::dvec3 a, glm::dvec3 b, LocalRange*) const;
+  std::optional<Poly> cubicAlong(const Span& k, glm::dvec3 mid, glm::dvec3 a, glm::dvec3 b,
+                                 LocalRange*) const;
   template <class X>
   std::optional<X> cubic(const Span& k, glm::dvec3 mid, glm::dvec3 a, glm::dvec3 b, LocalRange*) const;
   template <class X>

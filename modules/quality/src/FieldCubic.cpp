@@ -49,8 +49,8 @@ std::optional<X> Field::cubicAcross(std::int64_t slice, glm::dvec3 mid, glm::dve
     X row = constantLike(0, wx[0]);
     for (std::size_t i = 0; i < 4; ++i) {
       if (vanishes(wx[i])) continue;
-      const auto value = voxel(x->lo - 1 + static_cast<std::int64_t>(i),
-                               y->lo - 1 + static_cast<std::int64_t>(j), slice);
+      const auto value =
+          voxel(x->lo - 1 + static_cast<std::int64_t>(i), y->lo - 1 + static_cast<std::int64_t>(j), slice);
       if (!value) return std::nullopt;
       range.add(*value);
       row = row + scaled(*value, wx[i]);

@@ -69,7 +69,8 @@ Result<void> ImageReference::takeVoi() {
       voiLut_ = state_->voiLut;
     } else if (state_->window) {
       window_ = *state_->window;
-    } else if (info.type != VoxelType::F32) {  // the identity: from the least to the greatest value that can be
+    } else if (info.type !=
+               VoxelType::F32) {  // the identity: from the least to the greatest value that can be
       const double count = std::ldexp(1.0, static_cast<int>(info.bitsStored));
       const bool isSigned =
           info.type == VoxelType::I8 || info.type == VoxelType::I16 || info.type == VoxelType::I32;
@@ -116,7 +117,8 @@ Result<void> ImageReference::place(const Camera& camera, const View& view) {
   }
   if (layer_.flipHorizontal != (state_ && state_->flipHorizontal)) right = -right;
   if (layer_.flipVertical) down = -down;
-  const glm::dvec2 whole = area * size, across(std::abs(glm::dot(right, whole)), std::abs(glm::dot(down, whole)));
+  const glm::dvec2 whole = area * size,
+                   across(std::abs(glm::dot(right, whole)), std::abs(glm::dot(down, whole)));
   double perPixel = std::max(across.x / view.width_px, across.y / view.height_px);
   if (magnified > 0) perPixel = size.x / magnified;
   if (known && camera.height_mm) perPixel = *camera.height_mm / view.height_px;
@@ -156,7 +158,8 @@ std::vector<ImageReference::Corner> ImageReference::corners(glm::dvec2 pixel) co
   for (int n = 0; n < 4; ++n) {
     const double w = (n & 1 ? f.x : 1 - f.x) * (n & 2 ? f.y : 1 - f.y);
     if (w > 0)
-      out.push_back({static_cast<std::int64_t>(lo.x) + (n & 1), static_cast<std::int64_t>(lo.y) + (n >> 1), w});
+      out.push_back(
+          {static_cast<std::int64_t>(lo.x) + (n & 1), static_cast<std::int64_t>(lo.y) + (n >> 1), w});
   }
   return out;
 }
@@ -202,8 +205,8 @@ std::optional<double> ImageReference::shutterGrey(glm::dvec2 pixel) const {
   return seen ? std::nullopt : std::optional(s.grey);
 }
 
-// The colours of DICOM PS3.3 C.7.6.3.1.2, written down once more: the reference solves the standard's own equations,
-// which go from RGB to YBR, where the engine has their inverse.
+// The colours of DICOM PS3.3 C.7.6.3.1.2, written down once more: the reference solves the standard's own
+// equations, which go from RGB to YBR, where the engine has their inverse.
 glm::dvec3 ImageReference::storedColour(std::int64_t column, std::int64_t row) const {
   const ImageFrameInfo& info = frame_->info();
   if (info.colour == ColourSpace::Palette) {
@@ -213,15 +216,17 @@ glm::dvec3 ImageReference::storedColour(std::int64_t column, std::int64_t row) c
     const auto& e = p.entries[static_cast<std::size_t>(entry)];
     return glm::dvec3(e[0], e[1], e[2]) / p.fullScale;
   }
-  const glm::dvec3 s(frame_->stored(column, row, 0), frame_->stored(column, row, 1), frame_->stored(column, row, 2));
+  const glm::dvec3 s(frame_->stored(column, row, 0), frame_->stored(column, row, 1),
+                     frame_->stored(column, row, 2));
   const double full = std::ldexp(1.0, static_cast<int>(info.bitsStored)) - 1;
   if (info.colour == ColourSpace::Rgb) return s / full;
   const double step = std::ldexp(1.0, static_cast<int>(info.bitsStored) - 8);
   const bool partial = info.colour == ColourSpace::YbrPartial;
   // Rows: Y, CB, CR of red, green, blue. GLM takes columns.
   const glm::dmat3 ybrOfRgb = glm::transpose(
-      partial ? glm::dmat3(.256788, .504129, .097906, -.148223, -.290993, .439216, .439216, -.367788, -.071427)
-              : glm::dmat3(.2990, .5870, .1140, -.168736, -.331264, .5, .5, -.418688, -.081312));
+      partial
+          ? glm::dmat3(.256788, .504129, .097906, -.148223, -.290993, .439216, .439216, -.367788, -.071427)
+          : glm::dmat3(.2990, .5870, .1140, -.168736, -.331264, .5, .5, -.418688, -.081312));
   const glm::dvec3 offset = step * glm::dvec3(partial ? 16 : 0, 128, 128);
   return glm::clamp(glm::inverse(ybrOfRgb) * (s - offset) / full, glm::dvec3(0), glm::dvec3(1));
 }
@@ -255,7 +260,8 @@ double ImageReference::grey(double modality) const {
     inverted = state_->inverse;
     if (const auto& lut = state_->presentationLut) {
       const double last = static_cast<double>(lut->data.size()) - 1;
-      g = lut->data[static_cast<std::size_t>(g * last + 1e-6)] / (std::ldexp(1.0, static_cast<int>(lut->bits)) - 1);
+      g = lut->data[static_cast<std::size_t>(g * last + 1e-6)] /
+          (std::ldexp(1.0, static_cast<int>(lut->bits)) - 1);
     }
   }
   return layer_.invert != inverted ? 1 - g : g;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The cubic between two samples as the blend of two parabolas, each through three of four samples, in Lagrange's
-// form. Written once for numbers and for polynomials in u.
+// The cubic between two samples as the blend of two parabolas, each through three of four samples, in
+// Lagrange's form. Written once for numbers and for polynomials in u.
 #pragma once
 #include <array>
 

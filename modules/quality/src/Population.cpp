@@ -128,8 +128,10 @@ void fillCurved(const CurvedReference& curved, const View& view, std::vector<cha
   for (int x = 0; x < view.width_px; ++x) {
     const auto line = curved.columnAt(x);
     if (!line) continue;
-    const glm::dvec3 origin = (toVoxel * PatientPoint(line->top)).p, step = (toVoxel * PatientVec(line->down)).v;
-    const glm::dvec3 slab = glm::abs((toVoxel * PatientVec(0.5 * curved.reading().thickness_mm() * line->normal)).v);
+    const glm::dvec3 origin = (toVoxel * PatientPoint(line->top)).p,
+                     step = (toVoxel * PatientVec(line->down)).v;
+    const glm::dvec3 slab =
+        glm::abs((toVoxel * PatientVec(0.5 * curved.reading().thickness_mm() * line->normal)).v);
     double from = line->firstRow, to = line->lastRow;  // rows, centres at half-integers
     for (int a = 0; a < 3; ++a) {
       const double low = box[0][a] - slab[a] - origin[a], high = box[1][a] + slab[a] - origin[a];

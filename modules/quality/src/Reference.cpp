@@ -117,8 +117,8 @@ bool Layers::covers(glm::dvec2 pixel) const {
   return std::any_of(layers_.begin(), layers_.end(), [&](const Prepared& p) { return p.covers(pixel); });
 }
 
-// Later layers lie over earlier ones: those of volumes and frames opaque where they have data, a plugin's as it
-// says.
+// Later layers lie over earlier ones: those of volumes and frames opaque where they have data, a plugin's as
+// it says.
 ReferencePixel Layers::at(glm::dvec2 pixel, std::optional<SliceValue>* valueOut) const {
   std::size_t above = 0;
   ReferencePixel out = ground(pixel, valueOut, above);
@@ -128,7 +128,8 @@ ReferencePixel Layers::at(glm::dvec2 pixel, std::optional<SliceValue>* valueOut)
   return out;
 }
 
-ReferencePixel Layers::ground(glm::dvec2 pixel, std::optional<SliceValue>* valueOut, std::size_t& above) const {
+ReferencePixel Layers::ground(glm::dvec2 pixel, std::optional<SliceValue>* valueOut,
+                              std::size_t& above) const {
   ReferencePixel out;
   out.rgba = glm::dvec4(background_, 1);
   for (auto p = layers_.rbegin(); p != layers_.rend(); ++p) {
@@ -180,8 +181,8 @@ Result<std::vector<std::optional<SliceValue>>> sliceValues(const Scene& scene, s
                                                            const ReferenceOptions& options) {
   if (auto r = checkView(view); !r) return r.error();
   if (layer >= scene.layers.size() || std::holds_alternative<ImageLayer>(scene.layers[layer]))
-    return makeError(ErrorCode::SceneInvalid, "Layer " + std::to_string(layer) +
-                                                  " of the scene is no slice or curved reformat.");
+    return makeError(ErrorCode::SceneInvalid,
+                     "Layer " + std::to_string(layer) + " of the scene is no slice or curved reformat.");
   const auto prepared = Layers::prepare(scene, scene.layers[layer], view, sources, options);
   if (!prepared) return prepared.error();
   if (const VolumeReading* reading = prepared->reading(); reading && reading->volume().isColour())

@@ -16,9 +16,8 @@ int slabSamples(const Volume& volume, double thickness_mm, double step) {
 }
 
 Result<VolumeReading> VolumeReading::make(const std::string& source, const Slab& slab,
-                                          Interpolation interpolation,
-                                          const std::optional<VoiWindow>& window, bool invert,
-                                          const Sources& sources) {
+                                          Interpolation interpolation, const std::optional<VoiWindow>& window,
+                                          bool invert, const Sources& sources) {
   const auto found = sources.volumes.find(source);
   if (found == sources.volumes.end() || !found->second)
     return makeError(ErrorCode::SceneInvalid, "The layer's volume '" + source + "' is not loaded.");
@@ -100,7 +99,7 @@ std::optional<double> VolumeReading::sampled(const Field& field, glm::dvec3 firs
 }
 
 std::optional<double> VolumeReading::continuous(const Field& field, glm::dvec3 first_vox, glm::dvec3 step_vox,
-                                                 LocalRange* range) const {
+                                                LocalRange* range) const {
   const bool mean = slab_.mode == SlabMode::Mean;
   LocalRange extremes;
   double sum = 0, length = 0;
@@ -129,8 +128,8 @@ bool VolumeReading::covers(glm::dvec3 p, glm::dvec3 normal, int samples) const {
   if (field.at((toVoxel * PatientPoint(p)).p)) return true;
   const glm::dvec3 whole_mm = thickness_mm() * normal;
   bool any = false;
-  field.alongLine((toVoxel * PatientPoint(p - 0.5 * whole_mm)).p,
-                  (toVoxel * PatientVec(whole_mm)).v, nullptr, [&](const Piece&) {
+  field.alongLine((toVoxel * PatientPoint(p - 0.5 * whole_mm)).p, (toVoxel * PatientVec(whole_mm)).v, nullptr,
+                  [&](const Piece&) {
                     any = true;
                     return false;
                   });

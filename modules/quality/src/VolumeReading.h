@@ -26,7 +26,8 @@ class VolumeReading {
   std::optional<SliceValue> value(glm::dvec3 patient, glm::dvec3 normal, int samples) const;
   bool covers(glm::dvec3 patient, glm::dvec3 normal, int samples) const;
   // Of a colour volume: its red, green, blue and alpha, each by itself, over `background`. nullopt: no data.
-  std::optional<glm::dvec3> colour(glm::dvec3 patient, glm::dvec3 normal, int samples, glm::dvec3 background) const;
+  std::optional<glm::dvec3> colour(glm::dvec3 patient, glm::dvec3 normal, int samples,
+                                   glm::dvec3 background) const;
   double grey(double modality) const;
 
  private:
@@ -37,7 +38,8 @@ class VolumeReading {
   const Volume& fieldVolume() const { return volume_->isColour() ? volume_->channel(0) : *volume_; }
   std::optional<double> sampled(const Field&, glm::dvec3 first_vox, glm::dvec3 step_vox, int samples,
                                 LocalRange*) const;
-  std::optional<double> continuous(const Field&, glm::dvec3 first_vox, glm::dvec3 step_vox, LocalRange*) const;
+  std::optional<double> continuous(const Field&, glm::dvec3 first_vox, glm::dvec3 step_vox,
+                                   LocalRange*) const;
 
   std::shared_ptr<const Volume> volume_;
   Slab slab_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// libzip reads through our own source, so that all its handles share one open file; a handle is for one thread at a
-// time, so each reader takes one of its own from a pool.
+// libzip reads through our own source, so that all its handles share one open file; a handle is for one
+// thread at a time, so each reader takes one of its own from a pool.
 #include "vernier/study/Archive.h"
 
 #include <sys/stat.h>
@@ -39,7 +39,8 @@ constexpr std::size_t kPiece = std::size_t{1} << 20;
 
 Error damagedEntry(const std::string& name) {
   return makeError(ErrorCode::FileDamaged,
-                   "The entry of the archive is damaged or not as long as it says; fetch the archive again.", name);
+                   "The entry of the archive is damaged or not as long as it says; fetch the archive again.",
+                   name);
 }
 
 // What libzip asks of a file, for reading only.
@@ -88,9 +89,9 @@ zip_int64_t answer(void* user, void* data, zip_uint64_t length, zip_source_cmd_t
       delete &f;
       return 0;
     case ZIP_SOURCE_SUPPORTS:
-      return zip_source_make_command_bitmap(ZIP_SOURCE_OPEN, ZIP_SOURCE_READ, ZIP_SOURCE_CLOSE, ZIP_SOURCE_STAT,
-                                            ZIP_SOURCE_ERROR, ZIP_SOURCE_FREE, ZIP_SOURCE_SEEK, ZIP_SOURCE_TELL,
-                                            ZIP_SOURCE_SUPPORTS, -1);
+      return zip_source_make_command_bitmap(ZIP_SOURCE_OPEN, ZIP_SOURCE_READ, ZIP_SOURCE_CLOSE,
+                                            ZIP_SOURCE_STAT, ZIP_SOURCE_ERROR, ZIP_SOURCE_FREE,
+                                            ZIP_SOURCE_SEEK, ZIP_SOURCE_TELL, ZIP_SOURCE_SUPPORTS, -1);
     default:
       zip_error_set(&f.error, ZIP_ER_OPNOTSUPP, 0);
       return -1;
@@ -127,11 +128,13 @@ class ZipArchive final : public Archive, public std::enable_shared_from_this<Zip
   Result<void> list() {
     Handle handle = openHandle(file_);
     if (!handle)
-      return makeError(ErrorCode::FileDamaged,
-                       "The ZIP archive cannot be read: it is cut short or its directory is damaged; fetch it again.",
-                       shown_);
+      return makeError(
+          ErrorCode::FileDamaged,
+          "The ZIP archive cannot be read: it is cut short or its directory is damaged; fetch it again.",
+          shown_);
     const zip_int64_t count = zip_get_num_entries(handle.get(), 0);
-    if (const auto r = checkEntryCount(static_cast<std::uint64_t>(std::max<zip_int64_t>(count, 0)), shown_); !r)
+    if (const auto r = checkEntryCount(static_cast<std::uint64_t>(std::max<zip_int64_t>(count, 0)), shown_);
+        !r)
       return r;
     ArchiveSizes sizes(file_->size());
     for (zip_int64_t n = 0; n < count; ++n) addEntry(*handle, static_cast<zip_uint64_t>(n), sizes);
@@ -149,17 +152,20 @@ class ZipArchive final : public Archive, public std::enable_shared_from_this<Zip
   void addEntry(zip_t& handle, zip_uint64_t n, ArchiveSizes& sizes) {
     zip_stat_t s;
     zip_stat_init(&s);
-    const bool known = zip_stat_index(&handle, n, 0, &s) == 0 && (s.valid & ZIP_STAT_NAME) && (s.valid & ZIP_STAT_SIZE);
+    const bool known =
+        zip_stat_index(&handle, n, 0, &s) == 0 && (s.valid & ZIP_STAT_NAME) && (s.valid & ZIP_STAT_SIZE);
     EntryClaims claims;
     claims.name = known ? s.name : "";
     claims.bytes = known ? s.size : 0;
     claims.packedBytes = known && (s.valid & ZIP_STAT_COMP_SIZE) ? s.comp_size : 0;
     claims.encrypted = known && (s.valid & ZIP_STAT_ENCRYPTION_METHOD) && s.encryption_method != ZIP_EM_NONE;
-    claims.readable = known && (!(s.valid & ZIP_STAT_COMP_METHOD) ||
-                                zip_compression_method_supported(static_cast<zip_int32_t>(s.comp_method), 0) == 1);
+    claims.readable =
+        known && (!(s.valid & ZIP_STAT_COMP_METHOD) ||
+                  zip_compression_method_supported(static_cast<zip_int32_t>(s.comp_method), 0) == 1);
     zip_uint8_t system = 0;
     zip_uint32_t attributes = 0;
-    if (zip_file_get_external_attributes(&handle, n, 0, &system, &attributes) == 0 && system == ZIP_OPSYS_UNIX)
+    if (zip_file_get_external_attributes(&handle, n, 0, &system, &attributes) == 0 &&
+        system == ZIP_OPSYS_UNIX)
       claims.unixMode = attributes >> 16;
     if (auto entry = judgeEntry(claims, sizes)) {
       entries_.push_back(std::move(*entry));
@@ -176,7 +182,8 @@ class ZipArchive final : public Archive, public std::enable_shared_from_this<Zip
 
 class ZipReader final : public Archive::Reader {
  public:
-  ZipReader(std::shared_ptr<const ZipArchive> archive, Handle handle, OpenEntry file, const Archive::Entry& entry)
+  ZipReader(std::shared_ptr<const ZipArchive> archive, Handle handle, OpenEntry file,
+            const Archive::Entry& entry)
       : archive_(std::move(archive)), handle_(std::move(handle)), file_(std::move(file)), entry_(entry) {}
   ~ZipReader() override {
     file_.reset();
@@ -187,7 +194,8 @@ class ZipReader final : public Archive::Reader {
 
   Result<std::size_t> read(std::span<std::byte> to) override {
     std::size_t got = 0;
-    const std::size_t want = static_cast<std::size_t>(std::min<std::uint64_t>(to.size(), entry_.bytes - done_));
+    const std::size_t want =
+        static_cast<std::size_t>(std::min<std::uint64_t>(to.size(), entry_.bytes - done_));
     while (got < want) {
       const zip_int64_t n = zip_fread(file_.get(), to.data() + got, want - got);
       if (n <= 0) return damaged();
@@ -227,13 +235,15 @@ Result<std::unique_ptr<Archive::Reader>> ZipArchive::reader(std::size_t entry) c
   if (!handle) handle = openHandle(file_);
   OpenEntry file(handle ? zip_fopen_index(handle.get(), places_[entry], 0) : nullptr);
   if (!file) return damagedEntry(lastPart(e.name));
-  return std::unique_ptr<Reader>(std::make_unique<ZipReader>(shared_from_this(), std::move(handle), std::move(file), e));
+  return std::unique_ptr<Reader>(
+      std::make_unique<ZipReader>(shared_from_this(), std::move(handle), std::move(file), e));
 }
 
 }  // namespace
 
 bool looksLikeArchive(std::span<const std::byte> head) {
-  return head.size() >= 4 && (std::memcmp(head.data(), "PK\3\4", 4) == 0 || std::memcmp(head.data(), "PK\5\6", 4) == 0);
+  return head.size() >= 4 &&
+         (std::memcmp(head.data(), "PK\3\4", 4) == 0 || std::memcmp(head.data(), "PK\5\6", 4) == 0);
 }
 
 Result<std::shared_ptr<const Archive>> Archive::open(std::shared_ptr<const InputFile> file,
@@ -252,7 +262,8 @@ Result<std::shared_ptr<const std::vector<std::byte>>> Archive::whole(std::size_t
   // Grown as bytes come: what an entry declares sizes nothing.
   auto bytes = std::make_shared<std::vector<std::byte>>();
   for (std::size_t at = 0; at < entries_[entry].bytes || at == 0;) {
-    bytes->resize(static_cast<std::size_t>(std::min<std::uint64_t>(entries_[entry].bytes, at + std::max(at, kPiece))));
+    bytes->resize(
+        static_cast<std::size_t>(std::min<std::uint64_t>(entries_[entry].bytes, at + std::max(at, kPiece))));
     const auto n = (*from)->read(std::span(*bytes).subspan(at));
     if (!n) return n.error();
     if (*n == 0) break;

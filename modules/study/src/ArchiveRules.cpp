@@ -29,27 +29,33 @@ bool leadsOut(std::string_view name) {
 std::optional<Error> refusal(const EntryClaims& c) {
   const auto no = [](ErrorCode code, const char* sentence) { return makeError(code, sentence); };
   if (!c.readable)
-    return no(ErrorCode::FormatUnknown,
-              "The entry is packed in a way that is not read, or its description is damaged; pack it again with "
-              "deflate.");
+    return no(
+        ErrorCode::FormatUnknown,
+        "The entry is packed in a way that is not read, or its description is damaged; pack it again with "
+        "deflate.");
   if (leadsOut(c.name))
     return no(ErrorCode::FileDamaged,
               "The entry names a place outside the archive (an absolute path or \"..\") and is refused.");
   if (S_ISLNK(c.unixMode))
-    return no(ErrorCode::NotAFile, "The entry is a symbolic link, which is not followed; pack the file itself.");
+    return no(ErrorCode::NotAFile,
+              "The entry is a symbolic link, which is not followed; pack the file itself.");
   if (c.unixMode != 0 && (c.unixMode & S_IFMT) != 0 && !S_ISREG(c.unixMode))
     return no(ErrorCode::NotAFile, "The entry is a device, pipe or socket and is refused.");
   if (c.encrypted)
-    return no(ErrorCode::FormatUnknown, "The entry is encrypted; unpack the archive with its password and open the folder.");
+    return no(ErrorCode::FormatUnknown,
+              "The entry is encrypted; unpack the archive with its password and open the folder.");
   return std::nullopt;
 }
 
 }  // namespace
 
 std::optional<Error> ArchiveSizes::add(std::uint64_t bytes, std::uint64_t packedBytes) {
-  const auto beyond = [](const std::string& sentence) { return makeError(ErrorCode::LimitExceeded, sentence); };
+  const auto beyond = [](const std::string& sentence) {
+    return makeError(ErrorCode::LimitExceeded, sentence);
+  };
   if (bytes > limits::kMaxArchiveEntryBytes)
-    return beyond("The entry unpacks to " + mib(bytes) + ", more than the " + mib(limits::kMaxArchiveEntryBytes) +
+    return beyond("The entry unpacks to " + mib(bytes) + ", more than the " +
+                  mib(limits::kMaxArchiveEntryBytes) +
                   " that an entry may have; unpack the archive and open the folder.");
   const auto dense = [](std::uint64_t out, std::uint64_t in, std::uint64_t always) {
     return out > always && (in == 0 || out / in >= limits::kMaxArchiveRatio);
@@ -60,9 +66,11 @@ std::optional<Error> ArchiveSizes::add(std::uint64_t bytes, std::uint64_t packed
   // Entries that share their packed bytes are how a small archive pretends to hold much.
   if (packedBytes > archiveBytes_ - std::min(packed_, archiveBytes_))
     return beyond("The entries of the archive are longer than the archive itself; this one is refused.");
-  if (bytes > limits::kMaxArchiveBytes - bytes_ || dense(bytes_ + bytes, archiveBytes_, limits::kArchiveAlwaysBytes))
-    return beyond("The archive unpacks to more than its limits allow (" + mib(limits::kMaxArchiveBytes) + ", or " +
-                  std::to_string(limits::kMaxArchiveRatio) + " times its size); this entry is refused.");
+  if (bytes > limits::kMaxArchiveBytes - bytes_ ||
+      dense(bytes_ + bytes, archiveBytes_, limits::kArchiveAlwaysBytes))
+    return beyond("The archive unpacks to more than its limits allow (" + mib(limits::kMaxArchiveBytes) +
+                  ", or " + std::to_string(limits::kMaxArchiveRatio) +
+                  " times its size); this entry is refused.");
   bytes_ += bytes;
   packed_ += packedBytes;
   return std::nullopt;
@@ -72,7 +80,8 @@ Result<void> checkEntryCount(std::uint64_t count, const std::string& shown) {
   if (count <= limits::kMaxArchiveEntries) return {};
   return makeError(ErrorCode::LimitExceeded,
                    "The archive has " + std::to_string(count) + " entries, more than the " +
-                       std::to_string(limits::kMaxArchiveEntries) + " that are read; unpack it and open a folder of it.",
+                       std::to_string(limits::kMaxArchiveEntries) +
+                       " that are read; unpack it and open a folder of it.",
                    shown);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which entries of an archive are read: pure rules over what the archive's directory says. The sizes that it declares
-// are upper bounds that the reader enforces, so what is refused here cannot be unpacked later.
+// Which entries of an archive are read: pure rules over what the archive's directory says. The sizes that it
+// declares are upper bounds that the reader enforces, so what is refused here cannot be unpacked later.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -70,7 +70,8 @@ std::vector<double> AttributeReader::doubles(Tag t) const {
   const Element* e = element(t);
   if (!e) return out;
   const auto bytes = h_->value(*e);
-  const bool single = e->is("FL") || (!e->is("FD") && bytes.size() == 4);  // in implicit encoding the size tells
+  const bool single =
+      e->is("FL") || (!e->is("FD") && bytes.size() == 4);  // in implicit encoding the size tells
   const std::size_t width = single ? 4 : 8;
   if (bytes.size() % width != 0) return out;
   for (std::size_t i = 0; i < bytes.size() && out.size() < kMaxValues; i += width) {

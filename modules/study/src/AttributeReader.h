@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Attributes of a data set or of one sequence item as values: text in UTF-8, numbers as numbers, items as readers of
-// their own. Nothing here fails: what is missing or malformed is empty or nullopt. Readers refer to the Header, which
-// must outlive them.
+// Attributes of a data set or of one sequence item as values: text in UTF-8, numbers as numbers, items as
+// readers of their own. Nothing here fails: what is missing or malformed is empty or nullopt. Readers refer
+// to the Header, which must outlive them.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -32,10 +32,10 @@ class AttributeReader {
 
   std::vector<double> decimals(Tag) const;  // DS; a value that is no number is NaN
   std::optional<double> decimal(Tag) const;
-  std::optional<std::int64_t> integer(Tag) const;        // IS
-  std::vector<double> doubles(Tag) const;                // FD, FL
-  std::vector<std::uint16_t> words(Tag) const;           // US, SS
-  std::vector<std::uint32_t> longs(Tag) const;           // UL, AT (group << 16 | element)
+  std::optional<std::int64_t> integer(Tag) const;  // IS
+  std::vector<double> doubles(Tag) const;          // FD, FL
+  std::vector<std::uint16_t> words(Tag) const;     // US, SS
+  std::vector<std::uint32_t> longs(Tag) const;     // UL, AT (group << 16 | element)
   std::vector<std::string> charsetOf(const std::vector<Element>&) const;
   const std::vector<std::string>& charset() const { return charset_; }
 

@@ -131,12 +131,15 @@ void readRootValues(AttributeReader& r, Record& out) {
 void readConcatenation(const AttributeReader& r, Instance& i) {
   const std::string uid = r.code(0x00209161);
   if (uid.empty()) return;
-  const auto first = [](const auto& v) { return v.empty() ? std::int64_t{0} : static_cast<std::int64_t>(v[0]); };
+  const auto first = [](const auto& v) {
+    return v.empty() ? std::int64_t{0} : static_cast<std::int64_t>(v[0]);
+  };
   i.concatenation = Concatenation{uid, first(r.words(0x00209162)), first(r.words(0x00209163)),
                                   static_cast<std::uint64_t>(first(r.longs(0x00209228)))};
 }
 
-// What the frames of an image are and where they lie: functional groups where the class or the object has them.
+// What the frames of an image are and where they lie: functional groups where the class or the object has
+// them.
 void readFrames(AttributeReader& r, const SopClass* c, Record& out) {
   Instance& i = out.instance;
   if (!i.isImage && !out.imageClass) return;

@@ -12,10 +12,11 @@ namespace vernier {
 namespace {
 namespace fs = std::filesystem;
 
-// What disks make of a file ID: upper case may be lost, and ISO 9660 adds a version (";1") or an empty extension (".").
+// What disks make of a file ID: upper case may be lost, and ISO 9660 adds a version (";1") or an empty
+// extension (".").
 std::string plainName(std::string s) {
-  if (const std::size_t version = s.rfind(';'); version != std::string::npos &&
-                                                s.find_first_not_of("0123456789", version + 1) == std::string::npos)
+  if (const std::size_t version = s.rfind(';');
+      version != std::string::npos && s.find_first_not_of("0123456789", version + 1) == std::string::npos)
     s.resize(version);
   if (s.size() > 1 && s.back() == '.') s.pop_back();
   for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

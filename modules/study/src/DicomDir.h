@@ -15,8 +15,8 @@ struct DicomDirIndex {
   std::size_t outside = 0;                     // those that would lie outside its folder
   std::vector<std::string> files;              // paths of the latter
 };
-// A file name never leaves `folder` ("" = the current one): components with a slash or ".." are not resolved, nor are
-// links outward. Without `resolve` files are counted only.
+// A file name never leaves `folder` ("" = the current one): components with a slash or ".." are not resolved,
+// nor are links outward. Without `resolve` files are counted only.
 DicomDirIndex readDicomDir(const Header& header, const std::string& folder, bool resolve);
 
 }  // namespace vernier

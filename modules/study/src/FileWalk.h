@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The files under what the user named, in a fixed order; of an archive that was named itself its entries. Nothing else is
-// opened; links are followed only to places inside the folder that was named, each file and folder once.
+// The files under what the user named, in a fixed order; of an archive that was named itself its entries.
+// Nothing else is opened; links are followed only to places inside the folder that was named, each file and
+// folder once.
 #pragma once
 #include <string>
 #include <vector>

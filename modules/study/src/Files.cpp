@@ -43,7 +43,8 @@ class DiskFile final : public InputFile {
 // An entry of an archive, unpacked as far as it was read.
 class EntryFile final : public InputFile {
  public:
-  EntryFile(std::unique_ptr<Archive::Reader> reader, std::uint64_t size) : size_(size), reader_(std::move(reader)) {}
+  EntryFile(std::unique_ptr<Archive::Reader> reader, std::uint64_t size)
+      : size_(size), reader_(std::move(reader)) {}
   std::uint64_t size() const override { return size_; }
   bool read(std::uint64_t offset, std::span<std::byte> to) const override {
     if (offset > size_ || to.size() > size_ - offset) return false;
@@ -99,10 +100,11 @@ bool inside(const fs::path& folder, const fs::path& target) {
 }
 
 Error outside(const FileRecord& header) {
-  return makeError(ErrorCode::FileDamaged,
-                   "The header names a data file outside the header's folder, which is refused; put both files "
-                   "in one folder and name the data file alone.",
-                   header.shown);
+  return makeError(
+      ErrorCode::FileDamaged,
+      "The header names a data file outside the header's folder, which is refused; put both files "
+      "in one folder and name the data file alone.",
+      header.shown);
 }
 
 }  // namespace
@@ -134,7 +136,8 @@ Result<std::shared_ptr<const InputFile>> openInput(const FileRecord& file) {
   struct stat s {};
   if (::fstat(fd, &s) != 0 || !S_ISREG(s.st_mode)) {
     ::close(fd);
-    return makeError(ErrorCode::NotAFile, "This is a folder, device, pipe or socket, not a file.", file.shown);
+    return makeError(ErrorCode::NotAFile, "This is a folder, device, pipe or socket, not a file.",
+                     file.shown);
   }
   return std::shared_ptr<const InputFile>(
       std::make_shared<DiskFile>(fd, static_cast<std::uint64_t>(s.st_size)));

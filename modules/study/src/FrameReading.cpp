@@ -46,8 +46,9 @@ void setPlane(const Position& p, const Orientation& o, FrameAttributes& a, Frame
   plane.position = {(*p)[0], (*p)[1], (*p)[2]};
   plane.row = {(*o)[0], (*o)[1], (*o)[2]};
   plane.column = {(*o)[3], (*o)[4], (*o)[5]};
-  plane.offOrthonormal = std::max({std::abs(glm::length(plane.row) - 1), std::abs(glm::length(plane.column) - 1),
-                                   std::abs(glm::dot(plane.row, plane.column))});
+  plane.offOrthonormal =
+      std::max({std::abs(glm::length(plane.row) - 1), std::abs(glm::length(plane.column) - 1),
+                std::abs(glm::dot(plane.row, plane.column))});
   k.rawPlane = plane;
   // 1e-9: what decimal text of the limit itself may be off.
   if (plane.offOrthonormal <= kOrthonormalFlagged + 1e-9)
@@ -104,7 +105,8 @@ std::optional<LutTable> readLut(AttributeReader& item, bool signedInput) {
   return lut;
 }
 
-std::shared_ptr<const std::vector<RealWorldMapping>> readRealWorld(const AttributeReader& r, bool signedPixels) {
+std::shared_ptr<const std::vector<RealWorldMapping>> readRealWorld(const AttributeReader& r,
+                                                                   bool signedPixels) {
   std::vector<RealWorldMapping> out;
   for (AttributeReader& item : r.items(0x00409096)) {
     if (out.size() == kMaxMappings) break;
@@ -124,7 +126,8 @@ std::shared_ptr<const std::vector<RealWorldMapping>> readRealWorld(const Attribu
     const auto slope = item.doubles(0x00409225), intercept = item.doubles(0x00409224);
     m.table = item.doubles(0x00409212);
     if (m.table.empty()) {
-      if (slope.empty() || intercept.empty() || !std::isfinite(slope[0]) || !std::isfinite(intercept[0])) continue;
+      if (slope.empty() || intercept.empty() || !std::isfinite(slope[0]) || !std::isfinite(intercept[0]))
+        continue;
       m.slope = slope[0];
       m.intercept = intercept[0];
     } else if (static_cast<double>(m.table.size()) != m.last - m.first + 1) {
@@ -148,7 +151,8 @@ void readClassicKeys(AttributeReader& r, FrameAttributes& a, FrameKeys& k) {
   a.echoTime_ms = r.decimal(0x00180081);
   k.units = shortCode(r, 0x00541001);
   if (const auto b = r.doubles(0x00189087); !b.empty()) k.bValue_s_mm2 = b[0];
-  if (const auto d = r.doubles(0x00189089); d.size() == 3) k.diffusionDirection = glm::dvec3(d[0], d[1], d[2]);
+  if (const auto d = r.doubles(0x00189089); d.size() == 3)
+    k.diffusionDirection = glm::dvec3(d[0], d[1], d[2]);
   a.temporalPosition = r.integer(0x00200100);
   k.acquisitionNumber = shortCode(r, 0x00200012);
   k.contrastAgent = shortText(r, 0x00180010);
@@ -166,10 +170,12 @@ std::string unitOf(const Instance& i, const FrameAttributes& a, const FrameKeys&
   if (i.modality == "CT" && (type == "HU" || type.empty()) && !localizer) return "HU";
   if (i.modality == "PT" && !k.units.empty()) return k.units;
   if (!type.empty() && type != "US" && type != "HU") return type;
-  // A mapping that says the same numbers as the rescale gives them their unit; another one stands beside them.
+  // A mapping that says the same numbers as the rescale gives them their unit; another one stands beside
+  // them.
   if (a.realWorld && !lutType)
     for (const RealWorldMapping& m : *a.realWorld)
-      if (m.table.empty() && m.slope == a.rescale.slope && m.intercept == a.rescale.intercept && !m.unit.empty())
+      if (m.table.empty() && m.slope == a.rescale.slope && m.intercept == a.rescale.intercept &&
+          !m.unit.empty())
         return m.unit;
   return "stored value";
 }

@@ -37,17 +37,20 @@ WindowList readWindows(AttributeReader&);
 // Modality or VOI LUT (PS3.3 C.11.1, C.11.2): one item of its sequence.
 std::optional<LutTable> readLut(AttributeReader& item, bool signedInput);
 
-// The Real World Value Mapping Sequence (0040,9096) of a data set or item; null when there is none that can be used.
+// The Real World Value Mapping Sequence (0040,9096) of a data set or item; null when there is none that can
+// be used.
 std::shared_ptr<const std::vector<RealWorldMapping>> readRealWorld(const AttributeReader&, bool signedPixels);
 
-// Kernel, kVp, echo, b-value and the rest that classic objects and unassigned converted attributes hold directly.
+// Kernel, kVp, echo, b-value and the rest that classic objects and unassigned converted attributes hold
+// directly.
 void readClassicKeys(AttributeReader&, FrameAttributes&, FrameKeys&);
 
 // The unit of modality values; `lutType`: of a modality LUT, where there is one.
-std::string unitOf(const Instance&, const FrameAttributes&, const FrameKeys&, const std::optional<std::string>& lutType);
+std::string unitOf(const Instance&, const FrameAttributes&, const FrameKeys&,
+                   const std::optional<std::string>& lutType);
 
-// Codes of the standard are 16 characters long, texts 64; more is cut, so that what a shared group holds can stand in
-// each of very many frames.
+// Codes of the standard are 16 characters long, texts 64; more is cut, so that what a shared group holds can
+// stand in each of very many frames.
 std::string shortCode(const AttributeReader&, Tag);
 std::string shortText(AttributeReader&, Tag);
 

@@ -195,7 +195,8 @@ Result<void> checkColour(FrameSpec& spec) {
   const bool three = name == "RGB" || name.starts_with("YBR_");
   if (spec.samplesPerPixel == 1) {
     if (!name.empty() && !name.starts_with("MONOCHROME") && name != "PALETTE COLOR")
-      spec.corrected += "Photometric Interpretation names no grey image for one sample per pixel; MONOCHROME2 is taken. ";
+      spec.corrected +=
+          "Photometric Interpretation names no grey image for one sample per pixel; MONOCHROME2 is taken. ";
     return {};
   }
   if (spec.samplesPerPixel == 3 && three) return {};

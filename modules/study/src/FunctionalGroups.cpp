@@ -11,7 +11,7 @@ namespace vernier {
 namespace {
 
 constexpr Tag kShared = 0x52009229, kPerFrame = 0x52009230;
-constexpr std::size_t kMaxWindows = 8;     // of one frame
+constexpr std::size_t kMaxWindows = 8;  // of one frame
 constexpr std::size_t kMaxDimensions = 16;
 constexpr Tag kFrameTypes[] = {0x00189226, 0x00189329, 0x00189751, 0x00189504,
                                0x00409092, 0x00189806, 0x00520025, 0x00400710};
@@ -23,7 +23,7 @@ struct FrameState {
   Position position;
   Orientation orientation;
   bool spacingBad = false;
-  bool hasValues = false;                            // a pixel value transformation was there
+  bool hasValues = false;                          // a pixel value transformation was there
   std::pair<std::string, std::string> windowText;  // center and width as in the file
 };
 
@@ -44,7 +44,8 @@ class GroupReader {
     if (const auto m = g.item(0x00209113)) s.position = positionOf(m->decimals(0x00200032));
     if (const auto m = g.item(0x00209116)) s.orientation = orientationOf(m->decimals(0x00200037));
     // Enhanced ultrasound volumes stand in the transducer's frame of reference.
-    if (const auto m = g.item(0x0020930E)) s.position = positionOf(m->doubles(0x00209301)), record_.volumeFrame = true;
+    if (const auto m = g.item(0x0020930E))
+      s.position = positionOf(m->doubles(0x00209301)), record_.volumeFrame = true;
     if (const auto m = g.item(0x0020930F)) s.orientation = orientationOf(m->doubles(0x00209302));
     if (const auto m = g.item(0x00289110)) {
       s.spacingBad = !readSpacing(*m, s.a);
@@ -65,7 +66,8 @@ class GroupReader {
         record_.badWindowWidths = std::move(windows.badWidths);
       }
       windows.valid.resize(std::min(windows.valid.size(), kMaxWindows));
-      for (VoiWindow& w : windows.valid) w.explanation.resize(std::min<std::size_t>(w.explanation.size(), 64));
+      for (VoiWindow& w : windows.valid)
+        w.explanation.resize(std::min<std::size_t>(w.explanation.size(), 64));
       s.a.windows = std::move(windows.valid);
       s.windowText = {std::string(m->raw(0x00281050)), std::string(m->raw(0x00281051))};
     }
@@ -104,7 +106,8 @@ class GroupReader {
     for (const Tag t : {Tag{0x00209170}, Tag{0x00209171}})
       if (auto m = g.item(t)) keepFilled(*m, s);
     if (const auto m = g.item(0x00189114))
-      if (const auto te = m->doubles(0x00189082); !te.empty() && std::isfinite(te[0])) s.a.echoTime_ms = te[0];
+      if (const auto te = m->doubles(0x00189082); !te.empty() && std::isfinite(te[0]))
+        s.a.echoTime_ms = te[0];
     if (const auto m = g.item(0x00189117)) {
       if (const auto b = m->doubles(0x00189087); !b.empty()) s.k.bValue_s_mm2 = b[0];
       s.k.diffusionDirection.reset();
@@ -115,14 +118,17 @@ class GroupReader {
     if (const auto m = g.item(0x00189314)) s.k.kernel = shortCode(*m, 0x00181210);
     if (const auto m = g.item(0x00189325)) s.k.kvp = shortCode(*m, 0x00180060);
     if (const auto m = g.item(0x00189118)) {
-      if (const auto t = m->doubles(0x00209153); !t.empty() && std::isfinite(t[0])) s.k.triggerTime = std::to_string(t[0]);
-      if (const auto p = m->doubles(0x00209241); !p.empty() && std::isfinite(p[0])) s.k.cardiacPhase = std::to_string(p[0]);
+      if (const auto t = m->doubles(0x00209153); !t.empty() && std::isfinite(t[0]))
+        s.k.triggerTime = std::to_string(t[0]);
+      if (const auto p = m->doubles(0x00209241); !p.empty() && std::isfinite(p[0]))
+        s.k.cardiacPhase = std::to_string(p[0]);
     }
   }
 
   void applySource(const AttributeReader& g) {
     for (const AttributeReader& source : g.items(0x00209172))
-      if (std::string uid = shortCode(source, 0x00081155); !uid.empty()) record_.convertedFrom.push_back(std::move(uid));
+      if (std::string uid = shortCode(source, 0x00081155); !uid.empty())
+        record_.convertedFrom.push_back(std::move(uid));
   }
 
   static void keepFilled(AttributeReader& m, FrameState& s) {
@@ -175,7 +181,8 @@ Finding countFinding(std::size_t groups, std::uint64_t frames) {
           Severity::Refusal,
           "The object describes " + std::to_string(groups) + " frames one by one, but has " +
               std::to_string(frames) +
-              ": which description belongs to which frame is unknown. The frames have no positions, 3-D is refused, "
+              ": which description belongs to which frame is unknown. The frames have no positions, 3-D is "
+              "refused, "
               "and values that differ from frame to frame are shown as stored.",
           {{"groups", static_cast<double>(groups)}, {"frames", static_cast<double>(frames)}}};
 }
@@ -203,12 +210,13 @@ void reportFrames(const std::vector<FrameState>& frames, Record& record) {
     record.pixelSpacingBad |= s.spacingBad;
   }
   if (misplaced == 0) return;
-  record.findings.push_back({"frames-without-place",
-                             Severity::Warning,
-                             std::to_string(misplaced) + " of " + std::to_string(frames.size()) +
-                                 " frames have a position or orientation that is incomplete or no number; they can be "
-                                 "browsed, not placed.",
-                             {{"frames", static_cast<double>(misplaced)}}});
+  record.findings.push_back(
+      {"frames-without-place",
+       Severity::Warning,
+       std::to_string(misplaced) + " of " + std::to_string(frames.size()) +
+           " frames have a position or orientation that is incomplete or no number; they can be "
+           "browsed, not placed.",
+       {{"frames", static_cast<double>(misplaced)}}});
 }
 
 std::size_t differentWindows(const std::vector<FrameState>& frames) {
@@ -228,11 +236,12 @@ void dropPerFrame(const std::vector<AttributeReader>& perFrame, GroupReader& rea
     for (const AttributeReader& groups : perFrame) reader.apply(groups, any);
     if (any.hasValues) setRescale(0, 0, shared.a);  // refused: which frame has which is unknown
   } else {
-    record.findings.push_back({"functional-groups-missing",
-                               Severity::Notice,
-                               "The object does not describe its frames one by one; they have no positions and can "
-                               "be browsed only.",
-                               {}});
+    record.findings.push_back(
+        {"functional-groups-missing",
+         Severity::Notice,
+         "The object does not describe its frames one by one; they have no positions and can "
+         "be browsed only.",
+         {}});
   }
   if (frames > 1 || !perFrame.empty()) shared.position.reset();
 }

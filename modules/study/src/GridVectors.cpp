@@ -29,8 +29,10 @@ void placeFrames(const std::vector<double>& offsets_mm, Record& record) {
 }
 
 void refuse(Record& record, const char* code, std::string why) {
-  record.findings.push_back(
-      {code, Severity::Refusal, std::move(why) + " The frames have no positions and can be browsed only.", {}});
+  record.findings.push_back({code,
+                             Severity::Refusal,
+                             std::move(why) + " The frames have no positions and can be browsed only.",
+                             {}});
   record.instance.plane.reset();
   record.instance.filePlane.reset();
   record.rawPlane.reset();
@@ -41,11 +43,12 @@ bool allFinite(const std::vector<double>& v) {
 }
 
 bool isAxial(const RawPlane& p) {
-  return glm::length(p.row - glm::dvec3(1, 0, 0)) <= 1e-6 && glm::length(p.column - glm::dvec3(0, 1, 0)) <= 1e-6;
+  return glm::length(p.row - glm::dvec3(1, 0, 0)) <= 1e-6 &&
+         glm::length(p.column - glm::dvec3(0, 1, 0)) <= 1e-6;
 }
 
-// Offsets from the first plane; nullopt: neither reading of the standard fits (C.8.8.3.2). Zero first: relative, along
-// row x column. Equal to the position's z, in an axial grid: patient coordinates.
+// Offsets from the first plane; nullopt: neither reading of the standard fits (C.8.8.3.2). Zero first:
+// relative, along row x column. Equal to the position's z, in an axial grid: patient coordinates.
 std::optional<std::vector<double>> doseOffsets(std::vector<double> grid, const RawPlane& plane) {
   if (grid.front() == 0) return grid;
   const double z = plane.position.z;
@@ -62,20 +65,26 @@ void readDose(const AttributeReader& root, Record& record) {
   const auto scaling = root.decimals(0x3004000E);
   setRescale(scaling.empty() ? 0 : scaling[0], 0, i);
   const std::string units = root.code(0x30040002);
-  i.unit = i.rescaleInvalid ? "stored value" : units == "GY" ? "Gy" : units == "RELATIVE" ? "relative dose" : "stored value";
+  i.unit = i.rescaleInvalid      ? "stored value"
+           : units == "GY"       ? "Gy"
+           : units == "RELATIVE" ? "relative dose"
+                                 : "stored value";
   if (i.framesDeclared == 1) return;
   const auto grid = root.decimals(kGridFrameOffset);
   if (grid.size() != i.framesDeclared)
     return refuse(record, "grid-frame-offsets",
                   "The Grid Frame Offset Vector has " + std::to_string(grid.size()) + " values for " +
                       std::to_string(i.framesDeclared) + " frames.");
-  if (!allFinite(grid)) return refuse(record, "grid-frame-offsets", "The Grid Frame Offset Vector has values that are no numbers.");
+  if (!allFinite(grid))
+    return refuse(record, "grid-frame-offsets",
+                  "The Grid Frame Offset Vector has values that are no numbers.");
   if (!i.plane || !record.rawPlane) return;
   const auto offsets = doseOffsets(grid, *record.rawPlane);
   if (!offsets)
-    return refuse(record, "grid-frame-offsets",
-                  "The Grid Frame Offset Vector begins neither with 0 nor, in an axial grid, with the z of the first "
-                  "plane: where the planes lie is not said.");
+    return refuse(
+        record, "grid-frame-offsets",
+        "The Grid Frame Offset Vector begins neither with 0 nor, in an axial grid, with the z of the first "
+        "plane: where the planes lie is not said.");
   placeFrames(*offsets, record);
 }
 
@@ -84,12 +93,14 @@ void readNuclear(const AttributeReader& root, Record& record) {
   const auto pointers = root.longs(0x00280009);
   const auto vector = [&](Tag t) {
     auto v = root.words(t);
-    if (std::find(pointers.begin(), pointers.end(), t) == pointers.end() || v.size() != i.framesDeclared) v.clear();
+    if (std::find(pointers.begin(), pointers.end(), t) == pointers.end() || v.size() != i.framesDeclared)
+      v.clear();
     return v;
   };
   // Image Position and Orientation stand in the detector's item; slices are told from it along the normal.
   if (const auto detector = root.item(0x00540022); detector && !record.rawPlane)
-    setPlane(positionOf(detector->decimals(0x00200032)), orientationOf(detector->decimals(0x00200037)), i, record);
+    setPlane(positionOf(detector->decimals(0x00200032)), orientationOf(detector->decimals(0x00200037)), i,
+             record);
   const auto slices = vector(0x00540080);
   const auto spacing = root.decimal(0x00180088);
   const bool placed = !slices.empty() && i.plane && spacing && std::isfinite(*spacing) && *spacing != 0;
@@ -111,7 +122,8 @@ void readNuclear(const AttributeReader& root, Record& record) {
                             {0x00540030, "phase", true},          {0x00540050, "rotation", false},
                             {0x00540060, "R-R interval", false},  {0x00540070, "time slot", true},
                             {0x00540100, "time slice", true}};
-  std::vector<FrameAttributes> frames(i.frames ? *i.frames : std::vector<FrameAttributes>(i.framesDeclared, i));
+  std::vector<FrameAttributes> frames(i.frames ? *i.frames
+                                               : std::vector<FrameAttributes>(i.framesDeclared, i));
   if (record.frameKeys.empty()) record.frameKeys.assign(i.framesDeclared, record);
   bool differ = placed;
   for (const Axis& axis : kAxes) {

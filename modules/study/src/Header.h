@@ -63,8 +63,8 @@ struct Header {
 // NotDicom when it doesn't look like DICOM at all. Any other trouble stands in Header::damage.
 Result<Header> readHeader(ByteSource& source);
 
-// The items of a sequence (nested sequences inside them are skipped over whole), at most `most`. Damaged parts are
-// left out.
+// The items of a sequence (nested sequences inside them are skipped over whole), at most `most`. Damaged
+// parts are left out.
 std::vector<std::vector<Element>> itemsOf(const Header&, const Element& sequence,
                                           std::size_t most = std::numeric_limits<std::size_t>::max());
 const Element* findIn(const std::vector<Element>& item, Tag);

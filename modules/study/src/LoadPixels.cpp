@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Pixels of slices and stacks: open, walk to the pixel data, read it into its place. One reader per thread
 // keeps its buffers and the index of the object that it read last, so that a stack of n files costs n opens
-// and no allocation. Readers of one multi-frame object share its index; a deflated one is inflated once, in order, as a
-// stream.
+// and no allocation. Readers of one multi-frame object share its index; a deflated one is inflated once, in
+// order, as a stream.
 #include <algorithm>
 #include <map>
 #include <mutex>
@@ -200,8 +200,9 @@ Result<FrameSpec> shapeOf(const StudySet& set, const Stack& stack, SampleType sa
                    "No slice of the stack has a usable description of its pixels.");
 }
 
-// Slices that one reader takes one after the other: runs of neighbours, so that buffers and the index of a multi-frame
-// object are used again, short enough to balance; of a deflated multi-frame object all, in the order of the file.
+// Slices that one reader takes one after the other: runs of neighbours, so that buffers and the index of a
+// multi-frame object are used again, short enough to balance; of a deflated multi-frame object all, in the
+// order of the file.
 std::vector<std::vector<std::size_t>> jobsOf(const StudySet& set, const Stack& stack) {
   const std::size_t n = stack.slices.size();
   const std::size_t run = std::clamp<std::size_t>(n / (static_cast<std::size_t>(threads()) * 8), 1, 32);

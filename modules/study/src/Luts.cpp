@@ -70,22 +70,24 @@ Result<std::vector<std::uint16_t>> channelOf(const Header& h, std::size_t c, con
   const std::string name = kChannels[c];
   if (plain) {
     if (auto values = entriesOf(h, plain, d)) return std::move(*values);
-    return paletteError("The " + name + " palette declares " + std::to_string(d.entries) + " entries, but has only " +
-                        std::to_string(plain->length) + " bytes.");
+    return paletteError("The " + name + " palette declares " + std::to_string(d.entries) +
+                        " entries, but has only " + std::to_string(plain->length) + " bytes.");
   }
   if (!segmented) return paletteError("The " + name + " palette is missing.");
   const bool bytes = d.bits == 8;
-  if (auto values = expandSegments(unitsOf(h, *segmented, bytes), d.entries, bytes)) return std::move(*values);
-  return paletteError("The segments of the " + name + " palette do not make the " + std::to_string(d.entries) +
-                      " entries that it declares.");
+  if (auto values = expandSegments(unitsOf(h, *segmented, bytes), d.entries, bytes))
+    return std::move(*values);
+  return paletteError("The segments of the " + name + " palette do not make the " +
+                      std::to_string(d.entries) + " entries that it declares.");
 }
 
-// Some writers store 8-bit entries and call them 16-bit ones: the image would be black. Others write 8-bit values into
-// the high bytes: 0xFF00 is full intensity.
+// Some writers store 8-bit entries and call them 16-bit ones: the image would be black. Others write 8-bit
+// values into the high bytes: 0xFF00 is full intensity.
 void settleScale(Palette& p, std::string& corrected) {
   std::uint16_t most = 0, low = 0;
   for (const auto& e : p.entries)
-    for (const std::uint16_t v : e) most = std::max(most, v), low = static_cast<std::uint16_t>(low | (v & 0xFF));
+    for (const std::uint16_t v : e)
+      most = std::max(most, v), low = static_cast<std::uint16_t>(low | (v & 0xFF));
   if (p.bits == 16 && most > 0 && most <= 255) {
     p.bits = 8;
     corrected = "The palette says 16 bits for entries that are all below 256; 8 bits are taken. ";
@@ -158,8 +160,8 @@ class Expander {
 
 }  // namespace
 
-std::optional<std::vector<std::uint16_t>> expandSegments(const std::vector<std::uint16_t>& data, std::size_t entries,
-                                                         bool eightBit) {
+std::optional<std::vector<std::uint16_t>> expandSegments(const std::vector<std::uint16_t>& data,
+                                                         std::size_t entries, bool eightBit) {
   Expander expander(data, entries, eightBit);
   if (!expander.run()) return std::nullopt;
   return expander.take();
@@ -184,8 +186,10 @@ Result<PaletteResult> paletteFrom(const Header& h, bool signedIndex) {
     const auto d = descriptorOf(h, h.find(kDescriptor + static_cast<Tag>(c)), signedIndex);
     if (!d) return paletteError(std::string("The ") + kChannels[c] + " palette has no descriptor.");
     if (d->bits != 8 && d->bits != 16)
-      return paletteError("The entries of the palette have " + std::to_string(d->bits) + " bits, where 8 or 16 can be.");
-    if (first && (d->entries != first->entries || d->firstMapped != first->firstMapped || d->bits != first->bits))
+      return paletteError("The entries of the palette have " + std::to_string(d->bits) +
+                          " bits, where 8 or 16 can be.");
+    if (first &&
+        (d->entries != first->entries || d->firstMapped != first->firstMapped || d->bits != first->bits))
       return paletteError("The descriptors of the red, green and blue palettes differ.");
     if (!first) {
       first = d;

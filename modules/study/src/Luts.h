@@ -17,15 +17,16 @@ std::optional<LutTable> lutFrom(const Header&, const std::vector<Element>& item,
 
 struct PaletteResult {
   std::shared_ptr<const Palette> palette;
-  std::string corrected;  // one sentence where a description was wrong in a way that every reader settles alike
+  std::string
+      corrected;  // one sentence where a description was wrong in a way that every reader settles alike
 };
-// The palette of the object. PixelDescriptionInvalid where it is missing, where a table holds fewer entries than
-// its descriptor says, or where a segmented table does not come to that number.
+// The palette of the object. PixelDescriptionInvalid where it is missing, where a table holds fewer entries
+// than its descriptor says, or where a segmented table does not come to that number.
 Result<PaletteResult> paletteFrom(const Header&, bool signedIndex);
 
-// The values of a segmented table (C.7.9.2): `data` are its 16-bit words (or bytes, of an 8-bit table). nullopt
-// when they do not make exactly `entries` values.
-std::optional<std::vector<std::uint16_t>> expandSegments(const std::vector<std::uint16_t>& data, std::size_t entries,
-                                                         bool eightBit);
+// The values of a segmented table (C.7.9.2): `data` are its 16-bit words (or bytes, of an 8-bit table).
+// nullopt when they do not make exactly `entries` values.
+std::optional<std::vector<std::uint16_t>> expandSegments(const std::vector<std::uint16_t>& data,
+                                                         std::size_t entries, bool eightBit);
 
 }  // namespace vernier

@@ -139,7 +139,9 @@ void readAreas(AttributeReader& top, PresentationState& p) {
     a.images = imagesOf(item);
     const auto first = pair(signedLongs(item, 0x00700052)), last = pair(signedLongs(item, 0x00700053));
     const std::string mode = item.code(0x00700100);
-    a.mode = mode == "TRUE SIZE" ? AreaMode::TrueSize : mode == "MAGNIFY" ? AreaMode::Magnify : AreaMode::ScaleToFit;
+    a.mode = mode == "TRUE SIZE" ? AreaMode::TrueSize
+             : mode == "MAGNIFY" ? AreaMode::Magnify
+                                 : AreaMode::ScaleToFit;
     if (const auto m = floats(item, 0x00700103); !m.empty()) a.magnification = m[0];
     const auto positive = [](const std::optional<glm::dvec2>& v) { return v && v->x > 0 && v->y > 0; };
     if (const auto v = pair(item.decimals(0x00700101)); positive(v)) a.pixelSpacing_mm = v;
@@ -173,20 +175,28 @@ std::optional<Graphic> graphicOf(AttributeReader& item) {
     g.points.push_back({v[n], v[n + 1]});
   }
   const std::size_t n = g.points.size();
-  if (type == "POINT" && n == 1) g.shape = GraphicShape::Point;
-  else if (type == "POLYLINE" && n >= 2) g.shape = GraphicShape::Polyline;
-  else if (type == "INTERPOLATED" && n >= 2) g.shape = GraphicShape::Interpolated;
-  else if (type == "CIRCLE" && n == 2) g.shape = GraphicShape::Circle;
-  else if (type == "ELLIPSE" && n == 4) g.shape = GraphicShape::Ellipse;
-  else return std::nullopt;
+  if (type == "POINT" && n == 1)
+    g.shape = GraphicShape::Point;
+  else if (type == "POLYLINE" && n >= 2)
+    g.shape = GraphicShape::Polyline;
+  else if (type == "INTERPOLATED" && n >= 2)
+    g.shape = GraphicShape::Interpolated;
+  else if (type == "CIRCLE" && n == 2)
+    g.shape = GraphicShape::Circle;
+  else if (type == "ELLIPSE" && n == 4)
+    g.shape = GraphicShape::Ellipse;
+  else
+    return std::nullopt;
   return g;
 }
 
 GraphicText textOf(AttributeReader& item) {
   GraphicText t;
   for (const char c : item.text(0x00700006))
-    if (c == '\n' || static_cast<unsigned char>(c) >= 0x20) t.text += c;
-    else if (c == '\r') t.text += '\n';
+    if (c == '\n' || static_cast<unsigned char>(c) >= 0x20)
+      t.text += c;
+    else if (c == '\r')
+      t.text += '\n';
   for (std::size_t at; (at = t.text.find("\n\n")) != std::string::npos;) t.text.erase(at, 1);  // \r\n
   t.boxUnits = unitsOf(item.code(0x00700003));
   t.anchorUnits = unitsOf(item.code(0x00700004));
@@ -216,16 +226,21 @@ void readAnnotations(AttributeReader& top, PresentationState& p) {
     GraphicAnnotation a;
     a.images = imagesOf(item);
     const std::string name = item.code(0x00700002);
-    const auto layer = std::find_if(layers.begin(), layers.end(), [&](const Layer& l) { return l.name == name; });
+    const auto layer =
+        std::find_if(layers.begin(), layers.end(), [&](const Layer& l) { return l.name == name; });
     if (layer != layers.end()) a.order = layer->order, a.grey = layer->grey;
     for (AttributeReader& g : item.items(0x00700009)) {
-      if (auto graphic = graphicOf(g)) a.graphics.push_back(std::move(*graphic));
-      else unreadable = true;
+      if (auto graphic = graphicOf(g))
+        a.graphics.push_back(std::move(*graphic));
+      else
+        unreadable = true;
     }
     for (AttributeReader& t : item.items(0x00700008)) {
       GraphicText text = textOf(t);
-      if (!text.text.empty() && ((text.boxTopLeft && text.boxBottomRight) || text.anchor)) a.texts.push_back(std::move(text));
-      else unreadable = true;
+      if (!text.text.empty() && ((text.boxTopLeft && text.boxBottomRight) || text.anchor))
+        a.texts.push_back(std::move(text));
+      else
+        unreadable = true;
     }
     compound |= item.has(0x00700209);
     p.annotations.push_back(std::move(a));
@@ -235,9 +250,8 @@ void readAnnotations(AttributeReader& top, PresentationState& p) {
 }
 
 bool hasOverlay(const Header& h) {
-  return std::any_of(h.elements.begin(), h.elements.end(), [](const Element& e) {
-    return e.tag >> 24 == 0x60 && (e.tag & 0xFFFF) == 0x3000;
-  });
+  return std::any_of(h.elements.begin(), h.elements.end(),
+                     [](const Element& e) { return e.tag >> 24 == 0x60 && (e.tag & 0xFFFF) == 0x3000; });
 }
 
 bool activatesOverlay(const Header& h) {
@@ -289,7 +303,8 @@ std::optional<PresentationState> presentationFrom(const Header& h) {
   return p;
 }
 
-bool refersTo(const std::vector<ReferencedImage>& images, const std::string& sopInstanceUid, std::int64_t frame) {
+bool refersTo(const std::vector<ReferencedImage>& images, const std::string& sopInstanceUid,
+              std::int64_t frame) {
   return std::any_of(images.begin(), images.end(), [&](const ReferencedImage& r) {
     return r.sopInstanceUid == sopInstanceUid &&
            (r.frames.empty() || std::find(r.frames.begin(), r.frames.end(), frame) != r.frames.end());
@@ -301,8 +316,9 @@ Result<FramePresentation> presentationFor(const PresentationState& p, const std:
   if (!p.whyNot.empty())
     return makeError(ErrorCode::NotBuiltYet, "The presentation state cannot be applied: " + p.whyNot + ".");
   if (!refersTo(p.images, sopInstanceUid, frame))
-    return makeError(ErrorCode::SceneInvalid,
-                     "The presentation state does not refer to this image; `vernier info` lists those that it is for.");
+    return makeError(
+        ErrorCode::SceneInvalid,
+        "The presentation state does not refer to this image; `vernier info` lists those that it is for.");
   const auto meant = [&](const std::vector<ReferencedImage>& images) {
     return images.empty() || refersTo(images, sopInstanceUid, frame);
   };

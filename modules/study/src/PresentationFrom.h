@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Header -> PresentationState. What is missing or wrong is absent, and said in notApplied where it would be seen.
+// Header -> PresentationState. What is missing or wrong is absent, and said in notApplied where it would be
+// seen.
 #pragma once
 #include <optional>
 

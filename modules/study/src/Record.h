@@ -24,8 +24,8 @@ struct RealWorldReference {
   std::shared_ptr<const std::vector<RealWorldMapping>> mappings;
 };
 
-// Attributes that a series is split by (docs/studies.md); text as in the file, "" when absent. Of a classic object, or
-// of one frame.
+// Attributes that a series is split by (docs/studies.md); text as in the file, "" when absent. Of a classic
+// object, or of one frame.
 struct FrameKeys {
   std::optional<RawPlane> rawPlane;
   std::string kernel, kvp, echoNumbers, stackId, segmentNumber, rescaleType, units;
@@ -56,7 +56,9 @@ struct Record : FrameKeys {
   // Of instance.frames, one to one.
   std::vector<FrameKeys> frameKeys;
   std::vector<Dimension> dimensions;
-  const FrameKeys& keys(std::uint64_t frame) const { return frame < frameKeys.size() ? frameKeys[frame] : *this; }
+  const FrameKeys& keys(std::uint64_t frame) const {
+    return frame < frameKeys.size() ? frameKeys[frame] : *this;
+  }
 
   // References to other objects of the study.
   std::vector<std::string> convertedFrom;  // SOP Instance UIDs that a Legacy Converted object was made of
@@ -65,7 +67,7 @@ struct Record : FrameKeys {
   // For findings.
   std::vector<double> windowCenters, windowWidths;  // as in the file, valid or not
   std::vector<double> badWindowCenters, badWindowWidths;
-  std::vector<Finding> findings;   // of what was read of the object itself: functional groups, grid vectors
+  std::vector<Finding> findings;  // of what was read of the object itself: functional groups, grid vectors
   bool part10 = true;
   bool textDamaged = false;      // undecodable bytes in some text
   bool pixelSpacingBad = false;  // present, but 0, negative, not a number or out of 1e-4..1e3 mm

@@ -18,7 +18,8 @@ std::vector<RealWorldReference> readRealWorldReferences(const AttributeReader& r
     for (const AttributeReader& image : item.items(0x00081140)) {
       RealWorldReference r{shortCode(image, 0x00081155), {}, mappings};
       for (const double f : image.decimals(0x00081160))
-        if (f >= 1 && f <= static_cast<double>(limits::kMaxFrames)) r.frames.push_back(static_cast<std::uint64_t>(f) - 1);
+        if (f >= 1 && f <= static_cast<double>(limits::kMaxFrames))
+          r.frames.push_back(static_cast<std::uint64_t>(f) - 1);
       if (!r.sopInstanceUid.empty()) out.push_back(std::move(r));
     }
   }
@@ -76,7 +77,8 @@ std::vector<Finding> attachRealWorld(std::vector<Record>& records) {
 void linkConverted(const std::vector<Record>& records, std::vector<Series>& series) {
   std::map<std::string, std::size_t> seriesOf;
   for (const Record& r : records)
-    if (!r.instance.sopInstanceUid.empty()) seriesOf.try_emplace(r.instance.sopInstanceUid, r.instance.series);
+    if (!r.instance.sopInstanceUid.empty())
+      seriesOf.try_emplace(r.instance.sopInstanceUid, r.instance.series);
   std::map<std::pair<std::size_t, std::size_t>, std::set<std::string>> links;  // converted, source
   for (const Record& r : records)
     for (const std::string& uid : r.convertedFrom)
@@ -86,18 +88,21 @@ void linkConverted(const std::vector<Record>& records, std::vector<Series>& seri
     const auto& [converted, source] = pair;
     const double n = static_cast<double>(uids.size());
     const std::string images = std::to_string(uids.size()) + (uids.size() == 1 ? " image" : " images");
-    series[converted].findings.push_back({"converted-copy",
-                                          Severity::Info,
-                                          "This series was converted from " + images + " of another series of this study.",
-                                          {{"source_series", series[source].seriesUid}, {"images", n}}});
-    series[source].findings.push_back({"converted-copy",
-                                       Severity::Info,
-                                       images + " of this series are here once more, converted to one object.",
-                                       {{"converted_series", series[converted].seriesUid}, {"images", n}}});
+    series[converted].findings.push_back(
+        {"converted-copy",
+         Severity::Info,
+         "This series was converted from " + images + " of another series of this study.",
+         {{"source_series", series[source].seriesUid}, {"images", n}}});
+    series[source].findings.push_back(
+        {"converted-copy",
+         Severity::Info,
+         images + " of this series are here once more, converted to one object.",
+         {{"converted_series", series[converted].seriesUid}, {"images", n}}});
   }
 }
 
-std::vector<Finding> concatenationFindings(const std::vector<Record>& records, const std::vector<std::size_t>& members,
+std::vector<Finding> concatenationFindings(const std::vector<Record>& records,
+                                           const std::vector<std::size_t>& members,
                                            const std::function<std::string(std::size_t)>& fileName) {
   std::map<std::string, std::vector<std::size_t>> byUid;
   for (const std::size_t m : members)
@@ -105,7 +110,9 @@ std::vector<Finding> concatenationFindings(const std::vector<Record>& records, c
       byUid[i.concatenation->uid].push_back(m);
   std::vector<Finding> out;
   for (auto& [uid, parts] : byUid) {
-    const auto partOf = [&](std::size_t m) -> const Concatenation& { return *records[m].instance.concatenation; };
+    const auto partOf = [&](std::size_t m) -> const Concatenation& {
+      return *records[m].instance.concatenation;
+    };
     std::sort(parts.begin(), parts.end(),
               [&](std::size_t a, std::size_t b) { return partOf(a).frameOffset < partOf(b).frameOffset; });
     std::uint64_t end = 0, missing = 0, frames = 0;
@@ -132,12 +139,16 @@ std::vector<Finding> concatenationFindings(const std::vector<Record>& records, c
       f.code = "concatenation-incomplete";
       f.severity = Severity::Warning;
       f.sentence = "Of a concatenation only " + have +
-                   (total > 0 ? " of " + std::to_string(total) : std::string()) + " are here; fetch the others.";
+                   (total > 0 ? " of " + std::to_string(total) : std::string()) +
+                   " are here; fetch the others.";
     } else {
-      f.sentence = have + " of a concatenation with " + std::to_string(frames) + " frames in all were joined.";
+      f.sentence =
+          have + " of a concatenation with " + std::to_string(frames) + " frames in all were joined.";
     }
-    f.numbers = {{"parts", static_cast<double>(parts.size())}, {"frames", static_cast<double>(frames)},
-                 {"missing_frames_between", static_cast<double>(missing)}, {"files", std::move(files)}};
+    f.numbers = {{"parts", static_cast<double>(parts.size())},
+                 {"frames", static_cast<double>(frames)},
+                 {"missing_frames_between", static_cast<double>(missing)},
+                 {"files", std::move(files)}};
     if (total > 0) f.numbers["parts_declared"] = static_cast<double>(total);
     out.push_back(std::move(f));
   }

@@ -38,11 +38,13 @@ bool isDirectory(const Header& h) {
   return media && rawText(h, *media) == kDirectoryClass;
 }
 
-// An archive is opened when it is named itself; what stands in a folder or in another archive may be a bomb of many.
+// An archive is opened when it is named itself; what stands in a folder or in another archive may be a bomb
+// of many.
 Error leftPacked(const FileRecord& file) {
   if (file.archive)
-    return makeError(ErrorCode::FormatUnknown,
-                     "An archive inside an archive is not opened; unpack the outer one and open this one by itself.");
+    return makeError(
+        ErrorCode::FormatUnknown,
+        "An archive inside an archive is not opened; unpack the outer one and open this one by itself.");
   return makeError(ErrorCode::FormatUnknown, "An archive in a folder is not opened; open it by itself.");
 }
 
@@ -240,7 +242,8 @@ Result<StudySet> scanGuarded(const std::vector<std::string>& paths, const Progre
   set.files = std::move(*files);
   std::vector<Scanned> scanned;
   const auto cancelled = makeError(ErrorCode::Cancelled, "The scan was cancelled.");
-  const bool single = set.files.size() == 1 && !set.files[0].archive && !std::filesystem::is_directory(paths[0]);
+  const bool single =
+      set.files.size() == 1 && !set.files[0].archive && !std::filesystem::is_directory(paths[0]);
   if (!scanAll(set.files, scanned, single, progress, stop)) return cancelled;
   if (single && scanned[0].directory) {
     // A DICOMDIR opened by itself: its files are the study.
@@ -291,7 +294,8 @@ Result<StudySet> scanGuarded(const std::vector<std::string>& paths, const Progre
   for (Series& s : set.series) {
     fillStacks(records, s);
     for (Finding& f : seriesFindings(records, s.instances, fileName)) s.findings.push_back(std::move(f));
-    for (Finding& f : concatenationFindings(records, s.instances, fileName)) s.findings.push_back(std::move(f));
+    for (Finding& f : concatenationFindings(records, s.instances, fileName))
+      s.findings.push_back(std::move(f));
   }
   linkConverted(records, set.series);
   return set;

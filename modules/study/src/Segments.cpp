@@ -28,12 +28,14 @@ std::string meaningOf(const AttributeReader& item, Tag codeSequence) {
 }  // namespace
 
 std::array<double, 3> srgbFromCieLab(const std::array<std::uint16_t, 3>& v) {
-  const double l = v[0] * 100.0 / 65535.0, a = v[1] * 255.0 / 65535.0 - 128.0, b = v[2] * 255.0 / 65535.0 - 128.0;
+  const double l = v[0] * 100.0 / 65535.0, a = v[1] * 255.0 / 65535.0 - 128.0,
+               b = v[2] * 255.0 / 65535.0 - 128.0;
   const double fy = (l + 16) / 116, fx = fy + a / 500, fz = fy - b / 200;
   // White of the profile connection space, D50.
   const double x = 0.96422 * linearFromLab(fx), y = linearFromLab(fy), z = 0.82521 * linearFromLab(fz);
   // XYZ of D50 to linear sRGB: Bradford to D65, then the primaries of BT.709, in one matrix.
-  return {coded(3.1338561 * x - 1.6168667 * y - 0.4906146 * z), coded(-0.9787684 * x + 1.9161415 * y + 0.0334540 * z),
+  return {coded(3.1338561 * x - 1.6168667 * y - 0.4906146 * z),
+          coded(-0.9787684 * x + 1.9161415 * y + 0.0334540 * z),
           coded(0.0719453 * x - 0.2289914 * y + 1.4052427 * z)};
 }
 
@@ -55,7 +57,8 @@ void readSegments(AttributeReader& root, Record& record) {
     s.category = meaningOf(item, 0x00620003);
     s.type = meaningOf(item, 0x0062000F);
     s.algorithm = shortCode(item, 0x00620008);
-    if (const auto lab = item.words(0x0062000D); lab.size() == 3) s.colour = srgbFromCieLab({lab[0], lab[1], lab[2]});
+    if (const auto lab = item.words(0x0062000D); lab.size() == 3)
+      s.colour = srgbFromCieLab({lab[0], lab[1], lab[2]});
     i.segments.push_back(std::move(s));
   }
 }

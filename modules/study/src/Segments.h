@@ -11,8 +11,8 @@ namespace vernier {
 
 void readSegments(AttributeReader& root, Record& record);
 
-// Recommended Display CIELab Value (PS3.3 C.10.7.1.1: L* 0..100 and a*, b* -128..127 over 0..65535, D50) to sRGB
-// (IEC 61966-2-1, D65 by Bradford's adaptation), 0..1; colours outside of sRGB are clamped.
+// Recommended Display CIELab Value (PS3.3 C.10.7.1.1: L* 0..100 and a*, b* -128..127 over 0..65535, D50) to
+// sRGB (IEC 61966-2-1, D65 by Bradford's adaptation), 0..1; colours outside of sRGB are clamped.
 std::array<double, 3> srgbFromCieLab(const std::array<std::uint16_t, 3>& lab);
 
 }  // namespace vernier

@@ -79,10 +79,12 @@ std::vector<SplitKey> makeSplitKeys() {
       textKey("samples",
               [](const FrameView& v) { return std::to_string(v.record->instance.pixels.samplesPerPixel); }),
       textKey("photometric", [](const FrameView& v) { return v.record->instance.photometric; }),
-      textKey("frame of reference", [](const FrameView& v) { return v.record->instance.frameOfReferenceUid; }),
+      textKey("frame of reference",
+              [](const FrameView& v) { return v.record->instance.frameOfReferenceUid; }),
       {"pixel spacing",
        [](const FrameView& v) {
-         return shortNumber(v.frame->pixelSpacing_mm.x) + "\\" + shortNumber(v.frame->pixelSpacing_mm.y) + " mm";
+         return shortNumber(v.frame->pixelSpacing_mm.x) + "\\" + shortNumber(v.frame->pixelSpacing_mm.y) +
+                " mm";
        },
        [](const FrameView& a, const FrameView& b) { return sameSpacing(*a.frame, *b.frame); }},
       {"orientation", orientationText, sameOrientation},
@@ -95,12 +97,18 @@ std::vector<SplitKey> makeSplitKeys() {
       textKey("kernel", &FrameKeys::kernel),
       textKey("kVp", &FrameKeys::kvp),
       {"echo time",
-       [](const FrameView& v) { return v.frame->echoTime_ms ? shortNumber(*v.frame->echoTime_ms) + " ms" : "none"; },
-       [](const FrameView& a, const FrameView& b) { return close(a.frame->echoTime_ms, b.frame->echoTime_ms, 0.1); }},
+       [](const FrameView& v) {
+         return v.frame->echoTime_ms ? shortNumber(*v.frame->echoTime_ms) + " ms" : "none";
+       },
+       [](const FrameView& a, const FrameView& b) {
+         return close(a.frame->echoTime_ms, b.frame->echoTime_ms, 0.1);
+       }},
       textKey("echo number", &FrameKeys::echoNumbers),
       {"b-value",
        [](const FrameView& v) { return v.keys->bValue_s_mm2 ? shortNumber(*v.keys->bValue_s_mm2) : "none"; },
-       [](const FrameView& a, const FrameView& b) { return close(a.keys->bValue_s_mm2, b.keys->bValue_s_mm2, 1e-6); }},
+       [](const FrameView& a, const FrameView& b) {
+         return close(a.keys->bValue_s_mm2, b.keys->bValue_s_mm2, 1e-6);
+       }},
       {"diffusion direction", directionText, sameDirection},
       textKey("temporal position",
               [](const FrameView& v) {
@@ -153,7 +161,9 @@ std::vector<SplitKey> tieKeys(const std::vector<Record>& records, const std::vec
   });
   if (!described) return keys;
   const auto& dimensions = records[members.front().record].dimensions;
-  const auto isPlace = [](const Dimension& d) { return d.pointer == kInStackPosition || d.pointer == kImagePosition; };
+  const auto isPlace = [](const Dimension& d) {
+    return d.pointer == kInStackPosition || d.pointer == kImagePosition;
+  };
   const auto indexText = [](const FrameView& v, std::size_t d) {
     return d < v.frame->dimensionIndex.size() ? std::to_string(v.frame->dimensionIndex[d]) : std::string();
   };

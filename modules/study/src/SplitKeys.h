@@ -9,7 +9,8 @@
 
 namespace vernier {
 
-// Frames that are not told apart: one frame of an object that describes each, or all of an object that does not.
+// Frames that are not told apart: one frame of an object that describes each, or all of an object that does
+// not.
 struct FrameGroup {
   std::size_t record = 0;
   std::uint64_t first = 0, count = 1;
@@ -27,12 +28,14 @@ struct SplitKey {
   std::function<std::string(const FrameView&)> value;  // how to say it
   // Empty: equal when the values are.
   std::function<bool(const FrameView&, const FrameView&)> equal;
-  bool same(const FrameView& a, const FrameView& b) const { return equal ? equal(a, b) : value(a) == value(b); }
+  bool same(const FrameView& a, const FrameView& b) const {
+    return equal ? equal(a, b) : value(a) == value(b);
+  }
 };
 
 const std::vector<SplitKey>& splitKeys();
-// Used only when positions coincide without them, in this order; the dimensions of the objects' own dimension index
-// come after those of the standard, and whole objects last.
+// Used only when positions coincide without them, in this order; the dimensions of the objects' own dimension
+// index come after those of the standard, and whole objects last.
 std::vector<SplitKey> tieKeys(const std::vector<Record>& records, const std::vector<FrameGroup>& members);
 
 bool sameSpacing(const FrameAttributes& a, const FrameAttributes& b);

@@ -18,9 +18,10 @@ namespace {
 using Records = std::vector<Record>;
 using Group = std::vector<FrameGroup>;
 
-// Each member joins the first group whose first member it equals by all keys; members are in a fixed order, so the
-// result is too. Members beyond kMaxStacksPerSeries groups go into one more.
-std::vector<Group> split(const Records& records, const Group& members, const std::vector<const SplitKey*>& keys) {
+// Each member joins the first group whose first member it equals by all keys; members are in a fixed order,
+// so the result is too. Members beyond kMaxStacksPerSeries groups go into one more.
+std::vector<Group> split(const Records& records, const Group& members,
+                         const std::vector<const SplitKey*>& keys) {
   std::vector<Group> groups;
   // Texts that must be equal find the groups in question; only those are compared by tolerance.
   std::map<std::string, std::vector<std::size_t>> byText;
@@ -80,7 +81,8 @@ std::optional<Parts> tellApart(const Records& records, const Group& g) {
   for (const SplitKey& key : tieKeys(records, g)) {
     auto parts = split(records, g, {&key});
     if (parts.size() < 2 || parts.size() > limits::kMaxStacksPerSeries) continue;
-    if (std::none_of(parts.begin(), parts.end(), [&](const Group& p) { return positionsCoincide(records, p); }))
+    if (std::none_of(parts.begin(), parts.end(),
+                     [&](const Group& p) { return positionsCoincide(records, p); }))
       return Parts{std::move(parts), key};
   }
   return std::nullopt;
@@ -96,14 +98,15 @@ void fillForBrowsing(const Records& records, Group g, Stack& stack) {
     for (std::uint64_t f = 0; f < m.count; ++f) stack.slices.push_back({m.record, m.first + f});
 }
 
-// A segmentation may leave out frames where a segment is empty (PS3.3 C.8.20.2): where all steps are multiples of the
-// smallest, the places between are empty frames. Returns how many were added.
+// A segmentation may leave out frames where a segment is empty (PS3.3 C.8.20.2): where all steps are
+// multiples of the smallest, the places between are empty frames. Returns how many were added.
 std::size_t addEmptyFrames(Stack& stack, std::vector<FramePlane>& planes) {
   const std::size_t n = planes.size();
   if (n < 2) return 0;
   const glm::dvec3 normal = glm::cross(planes[0].rowDirection.v, planes[0].columnDirection.v);
   std::vector<double> steps;
-  for (std::size_t k = 1; k < n; ++k) steps.push_back(glm::dot(planes[k].origin.p - planes[k - 1].origin.p, normal));
+  for (std::size_t k = 1; k < n; ++k)
+    steps.push_back(glm::dot(planes[k].origin.p - planes[k - 1].origin.p, normal));
   const double least = *std::min_element(steps.begin(), steps.end());
   if (!(least > kCoincident_mm)) return 0;
   std::vector<std::size_t> missing;
@@ -121,7 +124,8 @@ std::size_t addEmptyFrames(Stack& stack, std::vector<FramePlane>& planes) {
     for (std::size_t m = 1; m <= missing[k - 1]; ++m) {
       const double t = static_cast<double>(m) / static_cast<double>(missing[k - 1] + 1);
       filled.push_back(planes[k]);
-      filled.back().origin = PatientPoint(planes[k - 1].origin.p + t * (planes[k].origin.p - planes[k - 1].origin.p));
+      filled.back().origin =
+          PatientPoint(planes[k - 1].origin.p + t * (planes[k].origin.p - planes[k - 1].origin.p));
       slices.push_back({stack.slices[k].instance, SliceRef::kEmptyFrame});
     }
     filled.push_back(planes[k]);
@@ -133,14 +137,16 @@ std::size_t addEmptyFrames(Stack& stack, std::vector<FramePlane>& planes) {
 }
 
 std::string whyBrowseOnly(const FrameView& first, bool undescribed, Stack& stack) {
-  if (undescribed) return "The frames of this object have no positions of their own; they can be browsed only.";
+  if (undescribed)
+    return "The frames of this object have no positions of their own; they can be browsed only.";
   const bool crooked = first.keys->rawPlane && !first.frame->plane &&
                        !(first.keys->rawPlane->offOrthonormal <= kOrthonormalFlagged + 1e-9);
   if (!crooked) return "The images carry no usable position and orientation; they can be browsed only.";
-  stack.findings.push_back({"orientation-unusable",
-                            Severity::Refusal,
-                            "Row and column direction are not two perpendicular unit vectors; 3-D is refused.",
-                            {{"off_orthonormal", first.keys->rawPlane->offOrthonormal}}});
+  stack.findings.push_back(
+      {"orientation-unusable",
+       Severity::Refusal,
+       "Row and column direction are not two perpendicular unit vectors; 3-D is refused.",
+       {{"off_orthonormal", first.keys->rawPlane->offOrthonormal}}});
   return stack.findings.back().sentence;
 }
 
@@ -180,8 +186,9 @@ Stack stackOf(const Records& records, const Group& g) {
   if (empty > 0)
     stack.findings.push_back({"empty-frames-left-out",
                               Severity::Info,
-                              std::to_string(empty) + " frames in which the segment is empty are not in the file; they "
-                              "are shown as empty.",
+                              std::to_string(empty) +
+                                  " frames in which the segment is empty are not in the file; they "
+                                  "are shown as empty.",
                               {{"frames", static_cast<double>(empty)}}});
   if (off > kOrthonormalSilent + 1e-9) reportFixed(off, stack);
   if (isLocalizer(first) && stack.volume3d) {
@@ -229,10 +236,12 @@ Group inOrder(const Records& records, std::vector<std::size_t> members) {
     }
   const auto place = [&](std::size_t m) {
     const Instance& i = records[m].instance;
-    return i.concatenation ? std::tuple(numberOf[i.concatenation->uid], i.concatenation->uid, i.concatenation->frameOffset)
+    return i.concatenation ? std::tuple(numberOf[i.concatenation->uid], i.concatenation->uid,
+                                        i.concatenation->frameOffset)
                            : std::tuple(number(m), i.sopInstanceUid, std::uint64_t{0});
   };
-  std::stable_sort(members.begin(), members.end(), [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
+  std::stable_sort(members.begin(), members.end(),
+                   [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
   Group out;
   for (const std::size_t m : members) {
     const Instance& i = records[m].instance;
@@ -256,7 +265,8 @@ std::vector<SplitKey> differingKeys(const Records& records, const std::vector<Gr
 }
 
 // Groups whose positions coincide are told apart by a tie key where one can.
-std::vector<Group> withoutTies(const Records& records, std::vector<Group> groups, std::vector<SplitKey>& differing) {
+std::vector<Group> withoutTies(const Records& records, std::vector<Group> groups,
+                               std::vector<SplitKey>& differing) {
   std::vector<Group> out;
   std::set<std::string> named;
   for (Group& g : groups) {
@@ -273,17 +283,19 @@ std::vector<Group> withoutTies(const Records& records, std::vector<Group> groups
 
 void addPlaceFindings(const Record& r, Stack& stack) {
   if (r.quadruped)
-    stack.findings.push_back({"quadruped",
-                              Severity::Warning,
-                              "The patient is four-legged (Anatomical Orientation Type): the letters L R A P H F do not "
-                              "apply and are not shown.",
-                              {}});
+    stack.findings.push_back(
+        {"quadruped",
+         Severity::Warning,
+         "The patient is four-legged (Anatomical Orientation Type): the letters L R A P H F do not "
+         "apply and are not shown.",
+         {}});
   if (r.volumeFrame)
-    stack.findings.push_back({"not-patient-frame",
-                              Severity::Warning,
-                              "The frames are placed in the transducer's volume, not in the patient: the letters L R A "
-                              "P H F do not apply and are not shown.",
-                              {}});
+    stack.findings.push_back(
+        {"not-patient-frame",
+         Severity::Warning,
+         "The frames are placed in the transducer's volume, not in the patient: the letters L R A "
+         "P H F do not apply and are not shown.",
+         {}});
 }
 
 Finding splitFinding(const std::vector<SplitKey>& differing, std::size_t stacks) {

@@ -16,7 +16,8 @@ struct SplitResult {
 // `members`: indices into `records` of the objects that can be drawn. SliceRef::instance is that index.
 SplitResult makeStacks(const std::vector<Record>& records, std::vector<std::size_t> members);
 
-// Whether all frames of both have equal places: position, orientation and spacing (for equal SOP Instance UIDs).
+// Whether all frames of both have equal places: position, orientation and spacing (for equal SOP Instance
+// UIDs).
 bool sameGeometry(const Record& a, const Record& b);
 
 }  // namespace vernier

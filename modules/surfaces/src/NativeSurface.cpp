@@ -7,6 +7,7 @@
 
 #include "SurfaceTechniques.h"
 #include "vernier/native/Surfaces.h"
+#include "vernier/plan/Volumetric.h"
 
 namespace vernier::surfaces {
 namespace {
@@ -29,7 +30,7 @@ std::string number(double v) {
 std::string SurfaceParams::dump() const {
   std::string s = job.camera.projection == Projection::Perspective ? "perspective" : "orthographic";
   s += ", pixel " + number(job.camera.mmPerPixel()) + " mm";
-  for (const native::PlacedSurface& p : job.surfaces) {
+  for (const PlacedSurface& p : job.surfaces) {
     const double volumeScale = glm::determinant(p.pose.linear);
     s += "; " + std::to_string(p.mesh->triangles().size()) + " triangles, opacity " + number(p.opacity);
     if (std::abs(std::abs(volumeScale) - 1) > 1e-6)
@@ -46,28 +47,11 @@ std::size_t firstSurface(const Scene& scene) {
   return static_cast<std::size_t>(it - scene.layers.begin());
 }
 
-Result<native::PlacedSurface> placed(const SurfaceLayer& layer, std::size_t index, const Sources& sources) {
-  const std::string where = "/layers/" + std::to_string(index);
-  const auto found = sources.meshes.find(layer.source);
-  if (found == sources.meshes.end() || !found->second)
-    return makeError(ErrorCode::SceneInvalid, "The surface that the layer names is not loaded.",
-                     where + "/source");
-  if (const Result<void> ok = checkPose(layer.pose); !ok)
-    return makeError(ok.error().code, ok.error().sentence, where + "/pose");
-  if (!(layer.opacity >= 0 && layer.opacity <= 1))
-    return makeError(ErrorCode::SceneInvalid, "The opacity lies between 0 and 1.", where + "/opacity");
-  return native::PlacedSurface{
-      found->second, layer.pose, {layer.colour.r, layer.colour.g, layer.colour.b}, layer.opacity};
-}
-
 Result<std::shared_ptr<const SurfaceParams>> surfaceParams(const PlanContext& context) {
   auto p = std::make_shared<SurfaceParams>();
-  for (std::size_t i = 0; i < context.scene.layers.size(); ++i)
-    if (const auto* layer = std::get_if<SurfaceLayer>(&context.scene.layers[i])) {
-      Result<native::PlacedSurface> surface = placed(*layer, i, context.sources);
-      if (!surface) return surface.error();
-      p->job.surfaces.push_back(std::move(*surface));
-    }
+  Result<std::vector<PlacedSurface>> surfaces = placedSurfaces(context.scene, context.sources);
+  if (!surfaces) return surfaces.error();
+  p->job.surfaces = std::move(*surfaces);
   const Result<CameraBox> box = cameraBox(context.scene, context.sources);
   if (!box) return box.error();
   Result<CameraPicture> camera = cameraPicture(context.scene.camera, context.view, *box);
@@ -85,7 +69,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   const Result<std::shared_ptr<const SurfaceParams>> params = surfaceParams(context);
   if (!params) return params.error();
   std::uint64_t triangles = 0, vertices = 0;
-  for (const native::PlacedSurface& s : (*params)->job.surfaces) {
+  for (const PlacedSurface& s : (*params)->job.surfaces) {
     if (!(s.opacity > 0)) continue;
     triangles += s.mesh->triangles().size();
     vertices += s.mesh->vertices().size();

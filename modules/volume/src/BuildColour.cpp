@@ -29,7 +29,9 @@ const Instance* firstUsable(const StudySet& set, const Stack& stack) {
   return nullptr;
 }
 
-std::byte level(double v) { return static_cast<std::byte>(static_cast<std::uint8_t>(std::floor(255 * v + 0.5))); }
+std::byte level(double v) {
+  return static_cast<std::byte>(static_cast<std::uint8_t>(std::floor(255 * v + 0.5)));
+}
 
 // Stored samples of one slice into the three planes.
 void spread(const Instance& i, ColourSpace space, const std::vector<std::byte>& slice, std::size_t pixels,
@@ -74,20 +76,22 @@ class ColourBuilder {
                                             : stack_.why2d);
     first_ = firstUsable(set_, stack_);
     const GridGeometry& g = stack_.grid;
-    if (!first_ || g.slices != static_cast<std::int64_t>(stack_.slices.size()) || g.columns < 1 || g.rows < 1 ||
-        static_cast<std::uint64_t>(g.columns) != first_->pixels.columns ||
+    if (!first_ || g.slices != static_cast<std::int64_t>(stack_.slices.size()) || g.columns < 1 ||
+        g.rows < 1 || static_cast<std::uint64_t>(g.columns) != first_->pixels.columns ||
         static_cast<std::uint64_t>(g.rows) != first_->pixels.rows)
       return makeError(ErrorCode::Internal, "The stack's geometry does not fit its images.");
     if (first_->pixels.samplesPerPixel > 1 && first_->pixels.bitsAllocated != 8)
-      return makeError(ErrorCode::NotBuiltYet,
-                       "Colour volumes have 8 bits per channel in this version; the images can be opened one by one.");
+      return makeError(
+          ErrorCode::NotBuiltYet,
+          "Colour volumes have 8 bits per channel in this version; the images can be opened one by one.");
     return {};
   }
 
   Result<void> reserve() {
     const GridGeometry& g = stack_.grid;
-    const auto plane = checkedProduct({static_cast<std::uint64_t>(g.columns), static_cast<std::uint64_t>(g.rows),
-                                       static_cast<std::uint64_t>(g.slices)});
+    const auto plane =
+        checkedProduct({static_cast<std::uint64_t>(g.columns), static_cast<std::uint64_t>(g.rows),
+                        static_cast<std::uint64_t>(g.slices)});
     const auto all = plane ? checkedProduct({*plane, kChannels}) : std::nullopt;
     if (!all) return makeError(ErrorCode::LimitExceeded, "The volume would take more than 2^64 bytes.");
     if (options_.budget) {
@@ -106,9 +110,11 @@ class ColourBuilder {
   Result<void> decodeOne(FrameReader& reader, std::size_t s) {
     const Instance& i = set_.instances[stack_.slices[s].instance];
     if (i.pixelError) return *i.pixelError;
-    if (i.pixels.samplesPerPixel != first_->pixels.samplesPerPixel || i.pixels.sample != first_->pixels.sample ||
-        i.pixels.columns != first_->pixels.columns || i.pixels.rows != first_->pixels.rows)
-      return makeError(ErrorCode::CodecMismatch, "The slice has other pixels than its stack; show it on its own.");
+    if (i.pixels.samplesPerPixel != first_->pixels.samplesPerPixel ||
+        i.pixels.sample != first_->pixels.sample || i.pixels.columns != first_->pixels.columns ||
+        i.pixels.rows != first_->pixels.rows)
+      return makeError(ErrorCode::CodecMismatch,
+                       "The slice has other pixels than its stack; show it on its own.");
     const auto bytes = i.pixels.frameBytes();
     if (!bytes) return bytes.error();
     std::vector<std::byte> slice(static_cast<std::size_t>(*bytes));
@@ -125,16 +131,16 @@ class ColourBuilder {
     const std::size_t n = stack_.slices.size();
     std::mutex mutex;
     std::size_t done = 0;
-    parallelFor(n, std::clamp<std::size_t>(n / (static_cast<std::size_t>(threads()) * 8), 1, 32), [&](std::size_t begin,
-                                                                                                  std::size_t end) {
-      FrameReader reader(set_);
-      for (std::size_t s = begin; s < end && !stop.stop_requested(); ++s) {
-        Result<void> ok = guarded("decode", [&] { return decodeOne(reader, s); });
-        const std::scoped_lock lock(mutex);
-        if (!ok) failed_.push_back({s, ok.error()});
-        if (progress) progress("decode", ++done, n);
-      }
-    });
+    parallelFor(n, std::clamp<std::size_t>(n / (static_cast<std::size_t>(threads()) * 8), 1, 32),
+                [&](std::size_t begin, std::size_t end) {
+                  FrameReader reader(set_);
+                  for (std::size_t s = begin; s < end && !stop.stop_requested(); ++s) {
+                    Result<void> ok = guarded("decode", [&] { return decodeOne(reader, s); });
+                    const std::scoped_lock lock(mutex);
+                    if (!ok) failed_.push_back({s, ok.error()});
+                    if (progress) progress("decode", ++done, n);
+                  }
+                });
     if (stop.stop_requested()) return makeError(ErrorCode::Cancelled, "Loading was cancelled.");
     std::ranges::sort(failed_, {}, &SliceFailure::slice);
     for (std::size_t s = 0, f = 0; s < n; ++s) {

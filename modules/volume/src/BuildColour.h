@@ -10,6 +10,7 @@ bool isColourStack(const StudySet&, const Stack&);
 
 // As buildVolume(); NotBuiltYet for colours of more than 8 bits other than palettes.
 Result<std::shared_ptr<const Volume>> buildColourVolume(const StudySet&, const Series&, const Stack&,
-                                                        const BuildOptions&, const ProgressFn&, std::stop_token);
+                                                        const BuildOptions&, const ProgressFn&,
+                                                        std::stop_token);
 
 }  // namespace vernier

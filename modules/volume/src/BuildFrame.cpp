@@ -98,7 +98,8 @@ std::optional<Volume::Range> percentilesWithoutBlur(const ImageFrameInfo& info, 
   return percentilesOf(info, marked.buffer.data(), padding);
 }
 
-ImageFrameInfo describePlace(const Series& series, const Stack& stack, std::size_t slice, const SliceFacts& s) {
+ImageFrameInfo describePlace(const Series& series, const Stack& stack, std::size_t slice,
+                             const SliceFacts& s) {
   const Instance& i = *s.object;
   ImageFrameInfo info;
   info.columns = static_cast<std::int64_t>(i.pixels.columns);
@@ -136,8 +137,8 @@ ImageFrameInfo describe(const Series& series, const Stack& stack, std::size_t sl
 }
 
 // A colour has neither window nor modality value; the frame says how its samples are to be read.
-ImageFrameInfo describeColour(const Series& series, const Stack& stack, std::size_t slice, const SliceFacts& s,
-                              const Pixels& pixels) {
+ImageFrameInfo describeColour(const Series& series, const Stack& stack, std::size_t slice,
+                              const SliceFacts& s, const Pixels& pixels) {
   const Instance& i = *s.object;
   ImageFrameInfo info = describePlace(series, stack, slice, s);
   info.type = pixels.type;
@@ -146,9 +147,11 @@ ImageFrameInfo describeColour(const Series& series, const Stack& stack, std::siz
   const bool jpeg2000 = syntaxKind(i.pixels.transferSyntaxUid) == SyntaxKind::Jpeg2000;
   const bool undone = !jpeg2000 && (i.photometric == "YBR_ICT" || i.photometric == "YBR_RCT");
   if (pixels.colour != i.pixels.colourSpace() || undone)
-    info.findings.push_back({"photometric-contradicted", Severity::Notice,
+    info.findings.push_back({"photometric-contradicted",
+                             Severity::Notice,
                              "The object says " + i.photometric + ", but its pixels are coded as " +
-                                 (pixels.colour == ColourSpace::Rgb ? "RGB" : "YCbCr") + ", and are shown as that.",
+                                 (pixels.colour == ColourSpace::Rgb ? "RGB" : "YCbCr") +
+                                 ", and are shown as that.",
                              {}});
   return info;
 }
@@ -204,7 +207,8 @@ Result<std::shared_ptr<const ImageFrame>> build(const StudySet& set, const Serie
   Result<Pixels> pixels = decodeOne(set, ref);
   if (!pixels) return pixels.error();
   if (isColour(pixels->colour))
-    return ImageFrame::make(describeColour(series, stack, slice, factsOf(set, ref), *pixels), std::move(pixels->buffer));
+    return ImageFrame::make(describeColour(series, stack, slice, factsOf(set, ref), *pixels),
+                            std::move(pixels->buffer));
 
   const bool perImage = windowPerImage(stack, i.modality);
   const SliceFacts facts = factsOf(set, ref), middle = factsOf(set, stack.slices[stack.slices.size() / 2]);

@@ -6,7 +6,8 @@
 
 namespace vernier {
 
-glm::dvec3 rgbOf(ColourSpace space, const std::array<double, 3>& s, std::uint32_t bits, const Palette* palette) {
+glm::dvec3 rgbOf(ColourSpace space, const std::array<double, 3>& s, std::uint32_t bits,
+                 const Palette* palette) {
   if (space == ColourSpace::Palette) {
     const auto& e = palette->at(s[0]);
     return glm::dvec3(e[0], e[1], e[2]) / palette->fullScale;

@@ -5,7 +5,8 @@
 
 namespace vernier {
 
-// GeometryRefused unless all numbers are finite and the three axes span a volume, so that the map has an inverse.
+// GeometryRefused unless all numbers are finite and the three axes span a volume, so that the map has an
+// inverse.
 Result<void> checkMap(const PatientFromVoxel&);
 
 }  // namespace vernier

@@ -27,11 +27,13 @@ Result<std::shared_ptr<const ImageFrame>> ImageFrame::make(ImageFrameInfo info, 
     return makeError(ErrorCode::RescaleInvalid,
                      "The rescale slope is 0 or not finite; stored values can be shown unscaled instead.");
   if (info.colour == ColourSpace::Palette && (!info.palette || info.palette->entries.empty()))
-    return makeError(ErrorCode::PixelDescriptionInvalid, "The image is of palette colours but has no palette.");
+    return makeError(ErrorCode::PixelDescriptionInvalid,
+                     "The image is of palette colours but has no palette.");
   if (info.modalityLut && info.modalityLut->data.empty())
     return makeError(ErrorCode::PixelDescriptionInvalid, "The modality LUT has no entries.");
   return guarded("ImageFrame::make", [&]() -> Result<std::shared_ptr<const ImageFrame>> {
-    cleanFloats(info.type, pixels.data(), static_cast<std::size_t>(info.columns * info.rows * info.samples()));
+    cleanFloats(info.type, pixels.data(),
+                static_cast<std::size_t>(info.columns * info.rows * info.samples()));
     std::shared_ptr<ImageFrame> f(new ImageFrame);
     f->info_ = std::move(info);
     f->pixels_ = std::move(pixels);

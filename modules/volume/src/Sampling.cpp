@@ -89,12 +89,14 @@ Four fourAlong(const Between& at, std::int64_t n) {
 Four fourSlices(const GridGeometry& g, const Between& z) {
   if (g.even() || z.first == z.second) return fourAlong(z, g.slices);
   const auto height = [&](std::int64_t s) { return g.sliceOrigin_vox[static_cast<std::size_t>(s)].z; };
-  const auto distance = [&](std::int64_t lower) {  // to the next slice, in the cell's height; 0: none that counts
-    if (lower < 0 || lower + 1 >= g.slices || std::binary_search(g.gapAfter.begin(), g.gapAfter.end(), lower))
-      return 0.0;
-    const double d = (height(lower + 1) - height(lower)) / (height(z.second) - height(z.first));
-    return d < kNearestNeighbour || d > kFurthestNeighbour ? 0.0 : d;
-  };
+  const auto distance =
+      [&](std::int64_t lower) {  // to the next slice, in the cell's height; 0: none that counts
+        if (lower < 0 || lower + 1 >= g.slices ||
+            std::binary_search(g.gapAfter.begin(), g.gapAfter.end(), lower))
+          return 0.0;
+        const double d = (height(lower + 1) - height(lower)) / (height(z.second) - height(z.first));
+        return d < kNearestNeighbour || d > kFurthestNeighbour ? 0.0 : d;
+      };
   return {z.first - 1, cubicWeights(z.t, distance(z.first - 1), distance(z.second))};
 }
 

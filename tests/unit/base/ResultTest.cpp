@@ -24,16 +24,16 @@ TEST(Result, HoldsValueOrError) {
 
 TEST(Errors, ExitCodesFollowTheClass) {
   int count = 0;
-#define VERNIER_ERROR(name, cls, exit, text)                                              \
-  {                                                                                       \
-    ++count;                                                                              \
-    EXPECT_EQ(errorName(ErrorCode::name), #name);                                         \
-    EXPECT_FALSE(generalSentence(ErrorCode::name).empty());                               \
-    const int code = exitCode(ErrorCode::name);                                           \
-    EXPECT_EQ(code, exit);                                                                \
-    EXPECT_EQ(errorClass(ErrorCode::name) == ErrorClass::Input, code == 3) << #name;      \
-    EXPECT_EQ(errorClass(ErrorCode::name) == ErrorClass::Tolerance, code == 4) << #name;  \
-    EXPECT_TRUE(code >= 1 && code <= 4) << #name;                                         \
+#define VERNIER_ERROR(name, cls, exit, text)                                             \
+  {                                                                                      \
+    ++count;                                                                             \
+    EXPECT_EQ(errorName(ErrorCode::name), #name);                                        \
+    EXPECT_FALSE(generalSentence(ErrorCode::name).empty());                              \
+    const int code = exitCode(ErrorCode::name);                                          \
+    EXPECT_EQ(code, exit);                                                               \
+    EXPECT_EQ(errorClass(ErrorCode::name) == ErrorClass::Input, code == 3) << #name;     \
+    EXPECT_EQ(errorClass(ErrorCode::name) == ErrorClass::Tolerance, code == 4) << #name; \
+    EXPECT_TRUE(code >= 1 && code <= 4) << #name;                                        \
   }
 #include "vernier/base/errors.def"
 #undef VERNIER_ERROR

@@ -96,7 +96,8 @@ TEST(Device, ShaderErrorsCarryTheDriversLogShortened) {
   EXPECT_LT(longLog.error().sentence.size(), 500u);
 
   const auto unlinked = device->program(
-      "unlinked", kVertex, "#version 330 core\nin vec4 vertexColour;\nout vec4 c;\nvoid main() { c = vertexColour; }\n");
+      "unlinked", kVertex,
+      "#version 330 core\nin vec4 vertexColour;\nout vec4 c;\nvoid main() { c = vertexColour; }\n");
   ASSERT_FALSE(unlinked.ok());
   EXPECT_EQ(unlinked.error().code, ErrorCode::ShaderInvalid);
   EXPECT_TRUE(device->finish().ok());  // no error is left behind

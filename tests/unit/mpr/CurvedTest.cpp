@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// mpr.curved through the planner: against planes, closed forms and the reference, and on a vessel whose radius is
-// known.
+// mpr.curved through the planner: against planes, closed forms and the reference, and on a vessel whose
+// radius is known.
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -65,8 +65,8 @@ std::shared_ptr<const Volume> floatVolume(const GridGeometry& g, const Fn& value
   for (std::int64_t k = 0; k < g.slices; ++k)
     for (std::int64_t j = 0; j < g.rows; ++j)
       for (std::int64_t i = 0; i < g.columns; ++i)
-        values.push_back(static_cast<float>(
-            valueAt((g.patientFromVoxel * VoxelPoint(glm::dvec3(i, j, k))).p)));
+        values.push_back(
+            static_cast<float>(valueAt((g.patientFromVoxel * VoxelPoint(glm::dvec3(i, j, k))).p)));
   return volumeOf<float>(std::move(info), values);
 }
 
@@ -76,7 +76,9 @@ std::vector<PatientPoint> pathThrough(const GridGeometry& g, std::uint64_t seed,
   const glm::dvec3 centre = g.centre().p, half = 0.5 * (g.corner(7).p - g.corner(0).p);
   for (int n = 0; n < points; ++n) {
     const double t = 2.0 * n / (points - 1) - 1;
-    const auto u = [&](std::uint64_t a) { return 2 * randomUnit(seed, 3 * static_cast<std::uint64_t>(n) + a) - 1; };
+    const auto u = [&](std::uint64_t a) {
+      return 2 * randomUnit(seed, 3 * static_cast<std::uint64_t>(n) + a) - 1;
+    };
     path.emplace_back(centre + 0.8 * t * half + 0.15 * glm::length(half) * glm::dvec3(u(0), u(1), u(2)));
   }
   return path;
@@ -160,14 +162,15 @@ TEST(Curved, ALinearRampComesOutExactly) {
           const glm::dvec3 q = (v->voxelFromPatient() * *at).p;
           if (q.x < 0 || q.y < 0 || q.z < 0 || q.x > 59 || q.y > 39 || q.z > 29) continue;
           ++inside;
-          ASSERT_NEAR(valueOf(r, x, y), ramp(at->p), 1e-6 * (range->max - range->min) + 2e-3) << x << "," << y;
+          ASSERT_NEAR(valueOf(r, x, y), ramp(at->p), 1e-6 * (range->max - range->min) + 2e-3)
+              << x << "," << y;
         }
       EXPECT_GT(inside, 800);
     }
 }
 
-// Every voxel type, grid, interpolation and slab, against a reference that finds the path's length and frame in
-// other ways.
+// Every voxel type, grid, interpolation and slab, against a reference that finds the path's length and frame
+// in other ways.
 template <class T>
 void againstTheReference(bool padded) {
   std::uint64_t seed = 40 + sizeof(T);
@@ -227,14 +230,16 @@ TEST(Curved, AHelicalVesselBecomesAStraightOneOfItsWidth) {
         const double slope = kRadius * (p.x * s - p.y * c) - kRise * (p.z - kRise * a);
         a -= slope / (kRadius * (p.x * c + p.y * s) + kRise * kRise);
       }
-      best = std::min(best, glm::length(p - glm::dvec3(kRadius * std::cos(a), kRadius * std::sin(a), kRise * a)));
+      best = std::min(best,
+                      glm::length(p - glm::dvec3(kRadius * std::cos(a), kRadius * std::sin(a), kRise * a)));
     }
     return best;
   };
   GridGeometry g = unitGrid(90, 90, 100);
   g.patientFromVoxel.linear = glm::dmat3(0.5);
   g.patientFromVoxel.translation = {-22.25, -22.25, -5};
-  const auto v = floatVolume(g, [&](glm::dvec3 p) { return 100 / (1 + std::exp((distance(p) - kVessel) / kEdge)); });
+  const auto v =
+      floatVolume(g, [&](glm::dvec3 p) { return 100 / (1 + std::exp((distance(p) - kVessel) / kEdge)); });
   for (const Interpolation how : {Interpolation::Linear, Interpolation::Cubic}) {
     Case c = caseOf(v, path, 10);
     c.view = {600, 80, true};
@@ -342,19 +347,20 @@ TEST(Curved, WhatAReaderMustKnowStandsInThePlan) {
   Case c = caseOf(v, {{10, 10, 20}, {20, 14, 20}, {20, 14, 20}, {28, 10, 20}}, 60);
   c.layer().up = PatientVec(0, 1, 0);
   TestHost& host = TestHost::instance();
-  const auto plan =
-      makePlan(c.scene, c.view, {}, Capabilities{}, CostTable{}, c.sources, host.registry);
+  const auto plan = makePlan(c.scene, c.view, {}, Capabilities{}, CostTable{}, c.sources, host.registry);
   ASSERT_TRUE(plan.ok());
   ASSERT_EQ(plan->notes.size(), 2u);
   EXPECT_TRUE(plan->notes[0].starts_with("overlaps itself: radius ")) << plan->notes[0];
   const std::string text = dumpPlan(*plan);
-  EXPECT_NE(text.find("pass 0: curved 0\n  engine: native\n  technique: mpr.curved\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("pass 0: curved 0\n  engine: native\n  technique: mpr.curved\n"), std::string::npos)
+      << text;
   EXPECT_NE(text.find("parameters: curved 120x60 straightened "), std::string::npos) << text;
   EXPECT_NE(text.find("note: overlaps itself"), std::string::npos) << text;
   EXPECT_EQ(plan->notes[1], "1 coincident point left out");
   // A path that cannot be drawn is a fault of the scene, whatever the technique.
   c.layer().path.resize(1);
-  const auto refused = makePlan(c.scene, c.view, {}, host.capabilities, CostTable{}, c.sources, host.registry);
+  const auto refused =
+      makePlan(c.scene, c.view, {}, host.capabilities, CostTable{}, c.sources, host.registry);
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::PathDegenerate);
 }

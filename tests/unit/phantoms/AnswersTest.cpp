@@ -59,7 +59,7 @@ TEST(PhantomAnswers, HoldForEveryRecipe) {
   for (const PhantomRecipe& recipe : phantomRecipes()) {
     if (isMultiFrame(recipe.name)) continue;
     SCOPED_TRACE(recipe.name);
-    if (recipe.isSurface) continue;  // SurfacesTest.cpp
+    if (recipe.isSurface) continue;                 // SurfacesTest.cpp
     if (hasColoursOrStates(recipe.name)) continue;  // three samples a pixel, or objects without pixels
     TempDir dir;
     std::map<std::string, std::string> settings;

@@ -85,7 +85,8 @@ TEST(CurvedPath, ArcLengthOfAHelixIsTrueAndItsFrameDoesNotTurnAboutIt) {
     const double a = c.centre.p.z / rise;
     offCurve = std::max(offCurve, std::abs(std::hypot(c.centre.p.x, c.centre.p.y) - radius));
     offLength = std::max(offLength, std::abs(a * speed - s));
-    // Against the Frenet frame a frame without twist turns by minus torsion x length, torsion = c / (R^2 + c^2).
+    // Against the Frenet frame a frame without twist turns by minus torsion x length, torsion = c / (R^2 +
+    // c^2).
     const glm::dvec3 tangent = glm::dvec3(-radius * std::sin(a), radius * std::cos(a), rise) / speed;
     const glm::dvec3 normal(-std::cos(a), -std::sin(a), 0);
     const glm::dvec3 binormal = glm::cross(tangent, normal);
@@ -95,13 +96,15 @@ TEST(CurvedPath, ArcLengthOfAHelixIsTrueAndItsFrameDoesNotTurnAboutIt) {
     EXPECT_NEAR(glm::dot(upOf(c), rightOf(c)), 0, 1e-9);
   }
   RecordProperty("off_curve_mm", std::to_string(offCurve));
-  std::printf("helix: off curve %.2g mm, arc length off %.2g mm, frame off %.2g rad\n", offCurve, offLength, twist);
+  std::printf("helix: off curve %.2g mm, arc length off %.2g mm, frame off %.2g rad\n", offCurve, offLength,
+              twist);
   EXPECT_LT(offCurve, 2e-5);  // the curve through points 1.4 mm apart
   EXPECT_LT(offLength, 2e-3);
   EXPECT_LT(twist, 2e-3);
 }
 
-// The frame itself, apart from how well a curve through points follows a helix: in a plane it cannot turn at all.
+// The frame itself, apart from how well a curve through points follows a helix: in a plane it cannot turn at
+// all.
 TEST(CurvedPath, InAPlaneUpStaysUpToRounding) {
   std::vector<PatientPoint> path;
   for (int i = 0; i <= 20; ++i) path.emplace_back(40 * std::cos(i * 0.3), 40 * std::sin(i * 0.3), 5);
@@ -202,7 +205,8 @@ TEST(CurvedPath, OwnUpIsThePatientAxisMostAcross) {
 // A dental arch in the axial plane, with its letters.
 TEST(CurvedPath, LettersStandOnlyWhereTheyHoldForTheWholePicture) {
   std::vector<PatientPoint> arch;
-  for (int i = 0; i <= 18; ++i) arch.emplace_back(-40 * std::cos(i * kPi / 18), -50 * std::sin(i * kPi / 18), 0);
+  for (int i = 0; i <= 18; ++i)
+    arch.emplace_back(-40 * std::cos(i * kPi / 18), -50 * std::sin(i * kPi / 18), 0);
   CurvedLayer layer = layerThrough(arch);
   layer.up = PatientVec(0, 0, 1);
   EXPECT_EQ(edgeLetters(*pictureOf(layer)), (EdgeLetters{"", "", "H", "F"}));

@@ -124,7 +124,8 @@ TEST(LinkedPlanes, MeetInTheCrosshairAndKeepTheirPictures) {
 // patient y.
 TEST(ReferenceLine, OrthogonalPlanesGiveRowsAndColumns) {
   const View view{300, 200};
-  const SlicePicture axial = pictureOf(patientPlane(PatientPlane::Axial, PatientPoint(10, 20, 30)), 100, view);
+  const SlicePicture axial =
+      pictureOf(patientPlane(PatientPlane::Axial, PatientPoint(10, 20, 30)), 100, view);
   // Sagittal at x = 35: 25 mm right of the centre = 50 px.
   const auto s = referenceLine(axial, view, patientPlane(PatientPlane::Sagittal, PatientPoint(35, 0, 0)));
   ASSERT_TRUE(s);
@@ -180,7 +181,8 @@ TEST(ReferenceLine, LiesOnBothPlanesAndOnTheBorder) {
     ++drawn;
     for (const glm::dvec2 end : *line) {
       EXPECT_NEAR(offPlane(other, patientAt(picture, end).p), 0, 1e-9) << seed;
-      const double border = std::min({std::abs(end.x), std::abs(end.y), std::abs(end.x - 311), std::abs(end.y - 207)});
+      const double border =
+          std::min({std::abs(end.x), std::abs(end.y), std::abs(end.x - 311), std::abs(end.y - 207)});
       EXPECT_LT(border, 1e-9) << seed;
       EXPECT_TRUE(end.x > -1e-9 && end.x < 311 + 1e-9 && end.y > -1e-9 && end.y < 207 + 1e-9) << seed;
     }

@@ -15,8 +15,8 @@
 namespace vernier {
 namespace {
 
-using ::testing::HasSubstr;
 using test::expectGolden;
+using ::testing::HasSubstr;
 
 struct FakeParams final : PassParams {
   std::string dump() const override { return "fake"; }

@@ -102,8 +102,9 @@ Scene randomScene(std::uint64_t& c) {
   curved.window = window();
   curved.invert = bit();
   slice.interpolation = bit() ? Interpolation::Cubic : Interpolation::Linear;
-  s.layers = {image, slice, curved, *customLayer(R"({"kind": "shells", "version": 2, "levels": [0.10, 1e5, -0]})"),
-              slice, surface};
+  s.layers = {image,  slice,
+              curved, *customLayer(R"({"kind": "shells", "version": 2, "levels": [0.10, 1e5, -0]})"),
+              slice,  surface};
   return s;
 }
 
@@ -235,9 +236,9 @@ TEST(SceneJson, WrongTypesAndValuesAreRefusedWithTheirPath) {
   EXPECT_EQ(whereOf(withLayer(R"({"kind": "x", "version": "new"})")), "/layers/0/version");
   EXPECT_EQ(whereOf(withLayer(R"({"kind": "image", "source": "a", "interpolation": "cubic"})")),
             "/layers/0/interpolation");  // stored frames are not resampled
-  EXPECT_EQ(whereOf(withLayer(R"({"kind": "slice", "source": "a", )" + kPlane +
-                              R"(, "interpolation": "cubic"})")),
-            "ok");
+  EXPECT_EQ(
+      whereOf(withLayer(R"({"kind": "slice", "source": "a", )" + kPlane + R"(, "interpolation": "cubic"})")),
+      "ok");
 }
 
 TEST(SceneJson, CurvedLayersAreReadAndRefusedWithTheirPath) {

@@ -61,7 +61,8 @@ TEST_F(ArchiveTest, AStudyInsideIsTheStudyOutside) {
   EXPECT_TRUE(failed.empty());
   ASSERT_TRUE(decodeStack(*outside, outside->series[0].stacks[0], SampleType::I16, b, failed).ok());
   EXPECT_EQ(a, b);
-  for (const FileRecord& f : inside->files) EXPECT_EQ(f.shown.find('/'), std::string::npos) << "last part only";
+  for (const FileRecord& f : inside->files)
+    EXPECT_EQ(f.shown.find('/'), std::string::npos) << "last part only";
 }
 
 TEST_F(ArchiveTest, WhatIsRefusedSaysWhyAndTheRestLoads) {
@@ -179,7 +180,8 @@ TEST_F(ArchiveTest, AnArchiveInAFolderIsLeftPacked) {
 
 TEST_F(ArchiveTest, ManyReadersAtATime) {
   std::vector<ZipEntry> entries;
-  for (int i = 0; i < 20; ++i) entries.push_back({std::to_string(i), std::string(200'000, static_cast<char>('a' + i))});
+  for (int i = 0; i < 20; ++i)
+    entries.push_back({std::to_string(i), std::string(200'000, static_cast<char>('a' + i))});
   const auto archive = open(entries);
   ASSERT_TRUE(archive.ok());
   std::vector<std::unique_ptr<Archive::Reader>> readers;

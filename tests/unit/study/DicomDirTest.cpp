@@ -42,10 +42,11 @@ class DicomDirTest : public ::testing::Test {
 };
 
 TEST_F(DicomDirTest, NamesAreFoundAsDisksWriteThem) {
-  put("DATA/S1/im2", 2);    // lower case
-  put("DATA/S1/IM3;1", 3);  // ISO 9660's version
+  put("DATA/S1/im2", 2);     // lower case
+  put("DATA/S1/IM3;1", 3);   // ISO 9660's version
   put("DATA/S1/IM4.;1", 4);  // ... and its empty extension
-  const StudySet set = open({"DATA\\S1\\IM1", "DATA\\S1\\IM2", "DATA\\S1\\IM3", "DATA\\S1\\IM4", "data\\s1\\IM5"});
+  const StudySet set =
+      open({"DATA\\S1\\IM1", "DATA\\S1\\IM2", "DATA\\S1\\IM3", "DATA\\S1\\IM4", "data\\s1\\IM5"});
   EXPECT_EQ(set.instances.size(), 4u);
   EXPECT_EQ(number(set, "referenced_files"), 5);
   EXPECT_EQ(number(set, "referenced_files_present"), 4);
@@ -61,8 +62,9 @@ TEST_F(DicomDirTest, WhatLiesOutsideIsNotLookedFor) {
   test::writeDicom(dir_.path() / "elsewhere/x.dcm", {});
   fs::create_symlink("../secret.dcm", disk() / "LINK");
   fs::create_directory_symlink("../elsewhere", disk() / "LINKDIR");
-  const StudySet set = open({"..\\secret.dcm", "DATA\\..\\..\\secret.dcm", (dir_.path() / "secret.dcm").string(), "LINK",
-                             "LINKDIR\\x.dcm", "DATA\\S1\\IM1"});
+  const StudySet set =
+      open({"..\\secret.dcm", "DATA\\..\\..\\secret.dcm", (dir_.path() / "secret.dcm").string(), "LINK",
+            "LINKDIR\\x.dcm", "DATA\\S1\\IM1"});
   EXPECT_EQ(set.instances.size(), 1u);
   EXPECT_EQ(set.files.size(), 2u);
   EXPECT_EQ(number(set, "referenced_files_present"), 1);
@@ -71,7 +73,8 @@ TEST_F(DicomDirTest, WhatLiesOutsideIsNotLookedFor) {
 }
 
 TEST_F(DicomDirTest, FoldersPipesAndEmptyNamesAreMissing) {
-  const StudySet set = open({"DATA", "DATA\\S1", "DATA\\\\IM1", "\\", ".", "NONE\\IM1", "DATA\\S1\\IM1\\IM1"});
+  const StudySet set =
+      open({"DATA", "DATA\\S1", "DATA\\\\IM1", "\\", ".", "NONE\\IM1", "DATA\\S1\\IM1\\IM1"});
   EXPECT_TRUE(set.instances.empty());
   EXPECT_EQ(number(set, "referenced_files_present"), 0);
   EXPECT_EQ(number(set, "referenced_files_outside"), 0);

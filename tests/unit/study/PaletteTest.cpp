@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Palettes of 8 and 16 bits, segmented ones, and those that lie about their size. What the segments mean is typed
-// here from PS3.3 C.7.9.2.
+// Palettes of 8 and 16 bits, segmented ones, and those that lie about their size. What the segments mean is
+// typed here from PS3.3 C.7.9.2.
 #include <gtest/gtest.h>
 
 #include "Luts.h"
@@ -95,12 +95,12 @@ TEST(Palette, SegmentsAreWrittenOut) {
 
 TEST(Palette, SegmentsThatLieAreRefused) {
   EXPECT_FALSE(expandSegments({}, 4, false));
-  EXPECT_FALSE(expandSegments({0, 9, 1, 2}, 4, false));            // more than there is
-  EXPECT_FALSE(expandSegments({0, 2, 1, 2}, 4, false));            // fewer entries than declared
-  EXPECT_FALSE(expandSegments({0, 4, 1, 2, 3, 4}, 3, false));      // more entries than declared
-  EXPECT_FALSE(expandSegments({1, 4, 9}, 4, false));               // a line from nowhere
-  EXPECT_FALSE(expandSegments({0, 1, 5, 1, 0, 9}, 1 + 1, false));  // a line without length
-  EXPECT_FALSE(expandSegments({3, 1, 1}, 1, false));               // no such segment
+  EXPECT_FALSE(expandSegments({0, 9, 1, 2}, 4, false));             // more than there is
+  EXPECT_FALSE(expandSegments({0, 2, 1, 2}, 4, false));             // fewer entries than declared
+  EXPECT_FALSE(expandSegments({0, 4, 1, 2, 3, 4}, 3, false));       // more entries than declared
+  EXPECT_FALSE(expandSegments({1, 4, 9}, 4, false));                // a line from nowhere
+  EXPECT_FALSE(expandSegments({0, 1, 5, 1, 0, 9}, 1 + 1, false));   // a line without length
+  EXPECT_FALSE(expandSegments({3, 1, 1}, 1, false));                // no such segment
   EXPECT_FALSE(expandSegments({0, 1, 5, 2, 1, 400, 0}, 4, false));  // points behind the data
   EXPECT_FALSE(expandSegments({0, 1, 5, 2, 1, 6, 0}, 4, false));    // points at itself
   EXPECT_FALSE(expandSegments({0, 1, 5, 1, 60000, 9}, 256, false));

@@ -51,7 +51,8 @@ TEST(Presentation, NamesItsImages) {
   EXPECT_EQ(presentationFor(p, "2.25.2", 4).error().code, ErrorCode::SceneInvalid);
   EXPECT_EQ(presentationFor(p, "2.25.3", 1).error().code, ErrorCode::SceneInvalid);
   const FramePresentation plain = *presentationFor(p, "2.25.1", 1);
-  EXPECT_FALSE(plain.window || plain.voiLut || plain.presentationLut || plain.inverse || plain.shutter || plain.area);
+  EXPECT_FALSE(plain.window || plain.voiLut || plain.presentationLut || plain.inverse || plain.shutter ||
+               plain.area);
   EXPECT_EQ(plain.rescale, ModalityRescale{});
 }
 
@@ -67,14 +68,14 @@ TEST(Presentation, OtherKindsAreListedWithTheReason) {
 }
 
 TEST(Presentation, GreyTransformations) {
-  const PresentationState p = readWith(
-      {"RescaleSlope=2", "RescaleIntercept=-100", "SoftcopyVOILUTSequence[0].WindowCenter=40\\50",
-       "SoftcopyVOILUTSequence[0].WindowWidth=400\\60",
-       "SoftcopyVOILUTSequence[0].ReferencedImageSequence[0].ReferencedSOPInstanceUID=2.25.1002.2",
-       "SoftcopyVOILUTSequence[1].VOILUTSequence[0].LUTDescriptor=4\\0\\12",
-       "SoftcopyVOILUTSequence[1].VOILUTSequence[0].LUTData=" + test::lutWords({0, 5, 4095, 7}),
-       "SoftcopyVOILUTSequence[1].ReferencedImageSequence[0].ReferencedSOPInstanceUID=2.25.1002.1",
-       "PresentationLUTShape=INVERSE"});
+  const PresentationState p =
+      readWith({"RescaleSlope=2", "RescaleIntercept=-100", "SoftcopyVOILUTSequence[0].WindowCenter=40\\50",
+                "SoftcopyVOILUTSequence[0].WindowWidth=400\\60",
+                "SoftcopyVOILUTSequence[0].ReferencedImageSequence[0].ReferencedSOPInstanceUID=2.25.1002.2",
+                "SoftcopyVOILUTSequence[1].VOILUTSequence[0].LUTDescriptor=4\\0\\12",
+                "SoftcopyVOILUTSequence[1].VOILUTSequence[0].LUTData=" + test::lutWords({0, 5, 4095, 7}),
+                "SoftcopyVOILUTSequence[1].ReferencedImageSequence[0].ReferencedSOPInstanceUID=2.25.1002.1",
+                "PresentationLUTShape=INVERSE"});
   EXPECT_EQ(p.rescale, (ModalityRescale{2, -100}));
   EXPECT_TRUE(p.inverse);
   EXPECT_TRUE(p.notApplied.empty());
@@ -92,23 +93,25 @@ TEST(Presentation, LutsThatContradictThemselvesAreSaid) {
   EXPECT_TRUE(notApplied(readWith({"PresentationLUTSequence[0].LUTDescriptor=0\\0\\12",
                                    "PresentationLUTSequence[0].LUTData=" + test::lutWords({1, 2})}),
                          "a presentation LUT that contradicts itself"));
-  EXPECT_TRUE(notApplied(readWith({"SoftcopyVOILUTSequence[0].WindowCenter=40",
-                                   "SoftcopyVOILUTSequence[0].WindowWidth=0"}),
-                         "a window without a usable width"));
+  EXPECT_TRUE(notApplied(
+      readWith({"SoftcopyVOILUTSequence[0].WindowCenter=40", "SoftcopyVOILUTSequence[0].WindowWidth=0"}),
+      "a window without a usable width"));
   EXPECT_TRUE(notApplied(readWith({"RescaleSlope=0", "RescaleIntercept=1"}),
                          "a rescale slope of zero or that is no number"));
 }
 
 TEST(Presentation, ShutterRotationArea) {
-  const PresentationState p = readWith(
-      {"ShutterShape=RECTANGULAR\\CIRCULAR\\POLYGONAL", "ShutterLeftVerticalEdge=2", "ShutterRightVerticalEdge=9",
-       "ShutterUpperHorizontalEdge=3", "ShutterLowerHorizontalEdge=8", "CenterOfCircularShutter=4\\5",
-       "RadiusOfCircularShutter=6", "VerticesOfThePolygonalShutter=1\\2\\3\\4\\5\\6", "ShutterPresentationValue=65535",
-       "ImageRotation=270", "ImageHorizontalFlip=Y", "DisplayedAreaSelectionSequence[0].DisplayedAreaTopLeftHandCorner=3\\4",
-       "DisplayedAreaSelectionSequence[0].DisplayedAreaBottomRightHandCorner=-5\\6",
-       "DisplayedAreaSelectionSequence[0].PresentationSizeMode=MAGNIFY",
-       "DisplayedAreaSelectionSequence[0].PresentationPixelMagnificationRatio=2.5",
-       "DisplayedAreaSelectionSequence[0].PresentationPixelAspectRatio=2\\1"});
+  const PresentationState p =
+      readWith({"ShutterShape=RECTANGULAR\\CIRCULAR\\POLYGONAL", "ShutterLeftVerticalEdge=2",
+                "ShutterRightVerticalEdge=9", "ShutterUpperHorizontalEdge=3", "ShutterLowerHorizontalEdge=8",
+                "CenterOfCircularShutter=4\\5", "RadiusOfCircularShutter=6",
+                "VerticesOfThePolygonalShutter=1\\2\\3\\4\\5\\6", "ShutterPresentationValue=65535",
+                "ImageRotation=270", "ImageHorizontalFlip=Y",
+                "DisplayedAreaSelectionSequence[0].DisplayedAreaTopLeftHandCorner=3\\4",
+                "DisplayedAreaSelectionSequence[0].DisplayedAreaBottomRightHandCorner=-5\\6",
+                "DisplayedAreaSelectionSequence[0].PresentationSizeMode=MAGNIFY",
+                "DisplayedAreaSelectionSequence[0].PresentationPixelMagnificationRatio=2.5",
+                "DisplayedAreaSelectionSequence[0].PresentationPixelAspectRatio=2\\1"});
   ASSERT_TRUE(p.shutter && p.shutter->rectangle && p.shutter->circle);
   EXPECT_EQ(p.shutter->rectangle->left, 2);
   EXPECT_EQ(p.shutter->rectangle->right, 9);
@@ -135,29 +138,31 @@ TEST(Presentation, WhatIsNotFullyDescribedIsSaid) {
   EXPECT_TRUE(notApplied(readWith({"ShutterShape=BITMAP"}), "a bitmap shutter"));
   EXPECT_TRUE(notApplied(readWith({"ImageRotation=45"}), "a rotation that is not by right angles"));
   EXPECT_TRUE(notApplied(readWith({"(6000,1001)=LAYER"}), "overlays"));
-  EXPECT_TRUE(notApplied(readWith({"GraphicAnnotationSequence[0].CompoundGraphicSequence[0].CompoundGraphicType=ARROW"}),
-                         "compound graphics"));
-  const PresentationState p = readWith({"DisplayedAreaSelectionSequence[0].DisplayedAreaTopLeftHandCorner=1\\1",
-                                        "DisplayedAreaSelectionSequence[0].DisplayedAreaBottomRightHandCorner=4\\4",
-                                        "DisplayedAreaSelectionSequence[0].PresentationSizeMode=TRUE SIZE"});
+  EXPECT_TRUE(notApplied(
+      readWith({"GraphicAnnotationSequence[0].CompoundGraphicSequence[0].CompoundGraphicType=ARROW"}),
+      "compound graphics"));
+  const PresentationState p =
+      readWith({"DisplayedAreaSelectionSequence[0].DisplayedAreaTopLeftHandCorner=1\\1",
+                "DisplayedAreaSelectionSequence[0].DisplayedAreaBottomRightHandCorner=4\\4",
+                "DisplayedAreaSelectionSequence[0].PresentationSizeMode=TRUE SIZE"});
   EXPECT_NE(presentationFor(p, "2.25.1002.1", 1)->notApplied.at(0).find("true size"), std::string::npos);
 }
 
 TEST(Presentation, GraphicsInTheOrderOfTheirLayers) {
-  const PresentationState p = readWith(
-      {"GraphicLayerSequence[0].GraphicLayer=UPPER", "GraphicLayerSequence[0].GraphicLayerOrder=2",
-       "GraphicLayerSequence[0].GraphicLayerRecommendedDisplayGrayscaleValue=32768",
-       "GraphicLayerSequence[1].GraphicLayer=LOWER", "GraphicLayerSequence[1].GraphicLayerOrder=1",
-       "GraphicAnnotationSequence[0].GraphicLayer=UPPER",
-       "GraphicAnnotationSequence[0].GraphicObjectSequence[0].GraphicAnnotationUnits=PIXEL",
-       "GraphicAnnotationSequence[0].GraphicObjectSequence[0].GraphicType=POLYLINE",
-       "GraphicAnnotationSequence[0].GraphicObjectSequence[0].GraphicData=1\\2\\3\\4.5\\5\\6",
-       "GraphicAnnotationSequence[0].GraphicObjectSequence[0].GraphicFilled=N",
-       "GraphicAnnotationSequence[1].GraphicLayer=LOWER",
-       "GraphicAnnotationSequence[1].TextObjectSequence[0].UnformattedTextValue=look\r\nhere",
-       "GraphicAnnotationSequence[1].TextObjectSequence[0].AnchorPointAnnotationUnits=DISPLAY",
-       "GraphicAnnotationSequence[1].TextObjectSequence[0].AnchorPoint=0.25\\0.75",
-       "GraphicAnnotationSequence[1].TextObjectSequence[0].AnchorPointVisibility=Y"});
+  const PresentationState p =
+      readWith({"GraphicLayerSequence[0].GraphicLayer=UPPER", "GraphicLayerSequence[0].GraphicLayerOrder=2",
+                "GraphicLayerSequence[0].GraphicLayerRecommendedDisplayGrayscaleValue=32768",
+                "GraphicLayerSequence[1].GraphicLayer=LOWER", "GraphicLayerSequence[1].GraphicLayerOrder=1",
+                "GraphicAnnotationSequence[0].GraphicLayer=UPPER",
+                "GraphicAnnotationSequence[0].GraphicObjectSequence[0].GraphicAnnotationUnits=PIXEL",
+                "GraphicAnnotationSequence[0].GraphicObjectSequence[0].GraphicType=POLYLINE",
+                "GraphicAnnotationSequence[0].GraphicObjectSequence[0].GraphicData=1\\2\\3\\4.5\\5\\6",
+                "GraphicAnnotationSequence[0].GraphicObjectSequence[0].GraphicFilled=N",
+                "GraphicAnnotationSequence[1].GraphicLayer=LOWER",
+                "GraphicAnnotationSequence[1].TextObjectSequence[0].UnformattedTextValue=look\r\nhere",
+                "GraphicAnnotationSequence[1].TextObjectSequence[0].AnchorPointAnnotationUnits=DISPLAY",
+                "GraphicAnnotationSequence[1].TextObjectSequence[0].AnchorPoint=0.25\\0.75",
+                "GraphicAnnotationSequence[1].TextObjectSequence[0].AnchorPointVisibility=Y"});
   EXPECT_TRUE(p.notApplied.empty());
   const FramePresentation f = *presentationFor(p, "2.25.1002.1", 1);
   ASSERT_EQ(f.annotations.size(), 2u);

@@ -16,7 +16,7 @@ VoiWindow window(double c, double w, VoiFunction f = VoiFunction::Linear) { retu
 
 TEST(SceneEdits, OneUnitAPixelAtWidth500) {
   const VoiWindow w = draggedWindow(window(40, 500), {30, -20}, false);
-  EXPECT_DOUBLE_EQ(w.width, 530);   // right: wider
+  EXPECT_DOUBLE_EQ(w.width, 530);  // right: wider
   EXPECT_DOUBLE_EQ(w.center, 20);  // up: brighter, so lower values become white
 }
 

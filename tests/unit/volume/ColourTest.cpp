@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Colours of stored pixels, colour frames and colour volumes. The equations of PS3.3 C.7.6.3.1.2 are typed here once
-// more, in the direction in which the standard has them.
+// Colours of stored pixels, colour frames and colour volumes. The equations of PS3.3 C.7.6.3.1.2 are typed
+// here once more, in the direction in which the standard has them.
 #include "vernier/volume/Colour.h"
 
 #include <gtest/gtest.h>
@@ -40,7 +40,8 @@ TEST(Colour, YbrIsUndone) {
       EXPECT_NEAR(partial[k], c[k], 0.15);
     }
   }
-  EXPECT_EQ(rgbOf(ColourSpace::YbrFull, {255, 255, 255}, 8), glm::dvec3(1, rgbOf(ColourSpace::YbrFull, {255, 255, 255}, 8).y, 1));
+  EXPECT_EQ(rgbOf(ColourSpace::YbrFull, {255, 255, 255}, 8),
+            glm::dvec3(1, rgbOf(ColourSpace::YbrFull, {255, 255, 255}, 8).y, 1));
   EXPECT_EQ(rgbOf(ColourSpace::YbrPartial, {0, 128, 128}, 8), glm::dvec3(0));  // below black
 }
 
@@ -169,7 +170,8 @@ TEST(ColourVolume, HoldsItsChannelsExactly) {
 }
 
 TEST(ColourVolume, RefusesWhatDoesNotFit) {
-  EXPECT_EQ(Volume::makeColour(grid(5, 5, 5), 2, ramps(5, 2)).error().code, ErrorCode::PixelDescriptionInvalid);
+  EXPECT_EQ(Volume::makeColour(grid(5, 5, 5), 2, ramps(5, 2)).error().code,
+            ErrorCode::PixelDescriptionInvalid);
   EXPECT_EQ(Volume::makeColour(grid(5, 5, 6), 3, ramps(5, 3)).error().code, ErrorCode::PixelDataShort);
   auto short1 = ramps(5, 3);
   short1.push_back(std::byte{0});

@@ -64,16 +64,18 @@ TEST(CubicWeights, OvershootAsStated) {
     double sum = 0;
     for (double w : cubicWeights(t, 1, 1)) sum += std::abs(w);
     widest = std::max(widest, sum);
-    undershoot = std::min(undershoot, cubicWeights(t, 1, 1)[0]);  // three samples on top of an edge, one below
+    undershoot =
+        std::min(undershoot, cubicWeights(t, 1, 1)[0]);  // three samples on top of an edge, one below
   }
-  EXPECT_NEAR(widest, 1.25, 1e-12);  // so 1/8 of the range beyond it, and (1.25^3 - 1) / 2 in three dimensions
+  EXPECT_NEAR(widest, 1.25,
+              1e-12);  // so 1/8 of the range beyond it, and (1.25^3 - 1) / 2 in three dimensions
   EXPECT_NEAR(-undershoot, 2.0 / 27, 1e-9);
 }
 
 double quadratic(const glm::dvec3& fromCentre_mm) {
   const glm::dvec3 q = fromCentre_mm / 10.0;
-  return 20 + 3 * q.x - 5 * q.y + 2 * q.z + 4 * q.x * q.x - 3 * q.y * q.y + 2.5 * q.z * q.z + 1.5 * q.x * q.y -
-         2 * q.y * q.z + q.x * q.z;
+  return 20 + 3 * q.x - 5 * q.y + 2 * q.z + 4 * q.x * q.x - 3 * q.y * q.y + 2.5 * q.z * q.z +
+         1.5 * q.x * q.y - 2 * q.y * q.z + q.x * q.z;
 }
 
 glm::dvec3 centreOf(const GridGeometry& g, std::int64_t i, std::int64_t j, std::int64_t k) {
@@ -88,8 +90,7 @@ std::shared_ptr<const Volume> filled(const GridGeometry& g, const Fn& fn) {
   std::vector<float> values;
   for (std::int64_t k = 0; k < g.slices; ++k)
     for (std::int64_t j = 0; j < g.rows; ++j)
-      for (std::int64_t i = 0; i < g.columns; ++i)
-        values.push_back(static_cast<float>(fn(i, j, k)));
+      for (std::int64_t i = 0; i < g.columns; ++i) values.push_back(static_cast<float>(fn(i, j, k)));
   return volumeOf<float>(info, values);
 }
 
@@ -111,7 +112,8 @@ std::vector<test::NamedGrid> gridsForQuadratics() {
 TEST(CubicSampling, IsExactForQuadraticsBetweenAllVoxelCentres) {
   for (const auto& named : gridsForQuadratics()) {
     const GridGeometry& g = named.grid;
-    const auto v = filled(g, [&](auto i, auto j, auto k) { return quadratic(centreOf(g, i, j, k) - g.centre().p); });
+    const auto v =
+        filled(g, [&](auto i, auto j, auto k) { return quadratic(centreOf(g, i, j, k) - g.centre().p); });
     double worst = 0, worstLinear = 0;
     for (std::uint64_t n = 0; n < 400; ++n) {
       const double last = static_cast<double>(g.columns - 1);
@@ -120,8 +122,9 @@ TEST(CubicSampling, IsExactForQuadraticsBetweenAllVoxelCentres) {
         return g.even() ? r * count : (0.2 + 0.6 * r) * count;  // slices that wander: stay inside all of them
       };
       const double first = g.firstPosition_vox(), height = g.lastPosition_vox() - first;
-      const PatientPoint p = g.patientFromVoxel * VoxelPoint(at(0, last), at(1, static_cast<double>(g.rows - 1)),
-                                                             first + at(2, height));
+      const PatientPoint p =
+          g.patientFromVoxel *
+          VoxelPoint(at(0, last), at(1, static_cast<double>(g.rows - 1)), first + at(2, height));
       const auto cubic = sampleModality(*v, p, Interpolation::Cubic), linear = sampleModality(*v, p);
       ASSERT_TRUE(cubic && linear) << named.name;
       worst = std::max(worst, std::abs(*cubic - quadratic(p.p - g.centre().p)));
@@ -135,7 +138,8 @@ TEST(CubicSampling, IsExactForQuadraticsBetweenAllVoxelCentres) {
 TEST(CubicSampling, GivesTheStoredValueAtEveryVoxelCentre) {
   for (const auto& named : everyGrid()) {
     const GridGeometry& g = named.grid;
-    const auto v = filled(g, [](auto i, auto j, auto k) { return static_cast<double>((i * 37 + j * 101 + k * 53) % 97); });
+    const auto v = filled(
+        g, [](auto i, auto j, auto k) { return static_cast<double>((i * 37 + j * 101 + k * 53) % 97); });
     for (std::int64_t k = 0; k < g.slices; ++k)
       for (std::int64_t j = 0; j < g.rows; ++j)
         for (std::int64_t i = 0; i < g.columns; ++i) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lists of pictures that netpbm and libtiff wrote (files/make_pictures.sh): each format gives the values that went in.
+// Lists of pictures that netpbm and libtiff wrote (files/make_pictures.sh): each format gives the values that
+// went in.
 #include <gmock/gmock.h>
 
 #include <cstring>
@@ -48,8 +49,9 @@ TEST(ImageList, EveryFormatGivesTheValuesThatWentIn) {
   for (const bool deep : {false, true}) {
     const std::string n = deep ? "16" : "8";
     for (const std::string& name :
-         {"grey" + n + ".png", "grey" + n + "-interlaced.png", "grey" + n + ".tif", "grey" + n + "-strips.tif",
-          "grey" + n + "-big-lzw.tif", "grey" + n + "-tiles.tif", "grey" + n + ".rgb", "grey" + n + "-rle.rgb"}) {
+         {"grey" + n + ".png", "grey" + n + "-interlaced.png", "grey" + n + ".tif",
+          "grey" + n + "-strips.tif", "grey" + n + "-big-lzw.tif", "grey" + n + "-tiles.tif",
+          "grey" + n + ".rgb", "grey" + n + "-rle.rgb"}) {
       SCOPED_TRACE(name);
       Case c;
       c.copy(name, "a");
@@ -60,7 +62,8 @@ TEST(ImageList, EveryFormatGivesTheValuesThatWentIn) {
       ASSERT_EQ((*v)->grid().rows, 5);
       ASSERT_EQ((*v)->grid().slices, 1);
       for (std::int64_t y = 0; y < 5; ++y)
-        for (std::int64_t x = 0; x < 6; ++x) ASSERT_EQ((*v)->stored(x, y, 0), expected(deep, x, y)) << x << "," << y;
+        for (std::int64_t x = 0; x < 6; ++x)
+          ASSERT_EQ((*v)->stored(x, y, 0), expected(deep, x, y)) << x << "," << y;
     }
   }
 }
@@ -126,8 +129,10 @@ TEST(ImageList, WhatCannotBeUsedSaysWhy) {
   EXPECT_EQ(c.refusal("a.png\ngone.png\n"), ErrorCode::FileNotFound);
   EXPECT_EQ(c.refusal("a.png\ntext.png\n"), ErrorCode::FormatUnknown);
   EXPECT_EQ(c.refusal("palette.png\n"), ErrorCode::NotBuiltYet);
-  EXPECT_EQ(c.refusal("gone.png\na.png\n"), ErrorCode::FormatUnknown) << "a text is a list when its first name is a picture";
-  for (const char* bad : {"@z-span 0", "@z-span -1", "@z-span nan", "@z-span inf", "@z-span 1 2", "@z-span", "@pixel-size 1", "@zspan 2"})
+  EXPECT_EQ(c.refusal("gone.png\na.png\n"), ErrorCode::FormatUnknown)
+      << "a text is a list when its first name is a picture";
+  for (const char* bad : {"@z-span 0", "@z-span -1", "@z-span nan", "@z-span inf", "@z-span 1 2", "@z-span",
+                          "@pixel-size 1", "@zspan 2"})
     EXPECT_EQ(c.refusal(std::string(bad) + "\na.png\n"), ErrorCode::FileDamaged) << bad;
 }
 
@@ -136,7 +141,8 @@ TEST(ImageList, NamesThatLeadOutAreRefused) {
   c.copy("grey8.png", "a.png");
   c.copy("grey8.png", "in/a.png");
   fs::create_symlink("../a.png", c.dir.path() / "in/link.png");
-  for (const std::string& name : {std::string("../a.png"), (c.dir.path() / "a.png").string(), std::string("link.png")}) {
+  for (const std::string& name :
+       {std::string("../a.png"), (c.dir.path() / "a.png").string(), std::string("link.png")}) {
     std::ofstream(c.dir.path() / "in/list.vrp") << "a.png\n" << name << "\n";
     const auto v = readVolumeFile((c.dir.path() / "in/list.vrp").string());
     ASSERT_FALSE(v.ok()) << name;
@@ -145,7 +151,8 @@ TEST(ImageList, NamesThatLeadOutAreRefused) {
 }
 
 TEST(ImageList, DamagedPicturesEndWell) {
-  for (const char* name : {"grey16-rle.rgb", "grey8-rle.rgb", "grey16-big-lzw.tif", "grey8-tiles.tif", "grey16-interlaced.png"}) {
+  for (const char* name : {"grey16-rle.rgb", "grey8-rle.rgb", "grey16-big-lzw.tif", "grey8-tiles.tif",
+                           "grey16-interlaced.png"}) {
     Case c;
     const std::string whole = bytesOfFile(kFiles / name);
     for (std::size_t n = 0; n < whole.size(); n += 3) {
@@ -155,7 +162,8 @@ TEST(ImageList, DamagedPicturesEndWell) {
     }
     for (std::uint64_t k = 0; k < 600; ++k) {
       std::string bytes = whole;
-      bytes[static_cast<std::size_t>(randomUnit(5, k) * static_cast<double>(bytes.size()))] = static_cast<char>(256 * randomUnit(6, k));
+      bytes[static_cast<std::size_t>(randomUnit(5, k) * static_cast<double>(bytes.size()))] =
+          static_cast<char>(256 * randomUnit(6, k));
       c.write("a", bytes);
       (void)c.read("a\n");
     }

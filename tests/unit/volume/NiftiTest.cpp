@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// NIfTI files that nibabel wrote and read (files/make_nifti.py), and the same with single header fields changed.
+// NIfTI files that nibabel wrote and read (files/make_nifti.py), and the same with single header fields
+// changed.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -41,7 +42,8 @@ INSTANTIATE_TEST_SUITE_P(Nibabel, Nifti, ::testing::ValuesIn(namesOf(cases())), 
 
 TEST_P(Nifti, EqualsWhatNibabelReads) {
   const json& truth = cases().at(GetParam());
-  const std::int64_t n[] = {truth["dims"][0], truth["dims"][1], truth["dims"].size() > 2 ? truth["dims"][2].get<int>() : 1};
+  const std::int64_t n[] = {truth["dims"][0], truth["dims"][1],
+                            truth["dims"].size() > 2 ? truth["dims"][2].get<int>() : 1};
   const std::size_t perFrame = static_cast<std::size_t>(n[0] * n[1] * n[2]);
   const std::size_t frames = truth["stored"].size() / perFrame;
   for (std::size_t frame = 0; frame < frames; ++frame) {
@@ -56,7 +58,8 @@ TEST_P(Nifti, EqualsWhatNibabelReads) {
     for (std::size_t p = 0; p < perFrame; ++p) {
       const auto i = static_cast<std::int64_t>(p) % n[0], j = static_cast<std::int64_t>(p) / n[0] % n[1],
                  k = static_cast<std::int64_t>(p) / (n[0] * n[1]);
-      const double stored = truth["stored"][frame * perFrame + p], value = truth["value"][frame * perFrame + p];
+      const double stored = truth["stored"][frame * perFrame + p],
+                   value = truth["value"][frame * perFrame + p];
       const bool rounded = truth["type"] == "float64";
       EXPECT_EQ(v.stored(i, j, k), rounded ? static_cast<double>(static_cast<float>(stored)) : stored);
       EXPECT_NEAR(v.modality(i, j, k), value, (rounded ? 1e-7 : 1e-15) * std::abs(value));
@@ -64,14 +67,18 @@ TEST_P(Nifti, EqualsWhatNibabelReads) {
     if (truth["affine_lps"].is_null()) {
       EXPECT_TRUE(has(v.info().findings, "axes-unknown"));
       const glm::dvec3 s = v.grid().spacing_mm();
-      for (int a = 0; a < 3; ++a) EXPECT_NEAR(s[a], truth["zooms_mm"][static_cast<std::size_t>(a)].get<double>(), 1e-12);
+      for (int a = 0; a < 3; ++a)
+        EXPECT_NEAR(s[a], truth["zooms_mm"][static_cast<std::size_t>(a)].get<double>(), 1e-12);
       continue;
     }
     EXPECT_FALSE(has(v.info().findings, "axes-unknown"));
     const glm::dmat4 m = v.grid().patientFromVoxel.matrix();
     for (int row = 0; row < 3; ++row)
       for (int column = 0; column < 4; ++column)
-        EXPECT_NEAR(m[column][row], truth["affine_lps"][static_cast<std::size_t>(row)][static_cast<std::size_t>(column)].get<double>(), 1e-12)
+        EXPECT_NEAR(m[column][row],
+                    truth["affine_lps"][static_cast<std::size_t>(row)][static_cast<std::size_t>(column)]
+                        .get<double>(),
+                    1e-12)
             << row << "," << column;
   }
 }
@@ -111,7 +118,8 @@ TEST(NiftiFiles, APairIsOpenedByEitherNameAndListedOnce) {
   for (const char* name : {"pair.hdr", "pair.img"})
     EXPECT_EQ((*readVolumeFile((kFiles / name).string()))->grid().columns, 4) << name;
   test::TempDir dir;
-  for (const char* name : {"pair.hdr", "pair.img"}) std::filesystem::copy_file(kFiles / name, dir.path() / name);
+  for (const char* name : {"pair.hdr", "pair.img"})
+    std::filesystem::copy_file(kFiles / name, dir.path() / name);
   auto set = scanStudy({dir.path().string()});
   ASSERT_TRUE(set.ok());
   const auto found = findVolumeFiles(*set);
@@ -148,8 +156,9 @@ struct Changed {
     return v.error().code;
   }
 };
-constexpr std::size_t kDim = 40, kType = 70, kBits = 72, kPixdim = 76, kOffset = 108, kSlope = 112, kInter = 116,
-                      kUnits = 123, kCalMax = 124, kQformCode = 252, kSformCode = 254, kQuatern = 256, kSrow = 280;
+constexpr std::size_t kDim = 40, kType = 70, kBits = 72, kPixdim = 76, kOffset = 108, kSlope = 112,
+                      kInter = 116, kUnits = 123, kCalMax = 124, kQformCode = 252, kSformCode = 254,
+                      kQuatern = 256, kSrow = 280;
 
 TEST(NiftiHeaders, WrongSizesAreRefused) {
   using S = std::int16_t;
@@ -182,7 +191,8 @@ TEST(NiftiHeaders, FiveDimensionsOddTypesAndAnalyzeAreRefused) {
   ASSERT_FALSE(five.ok());
   EXPECT_EQ(five.error().code, ErrorCode::NotBuiltYet);
   EXPECT_THAT(five.error().sentence, HasSubstr("5 dimensions"));
-  EXPECT_TRUE(Changed().put<S>(kDim, 5).put<S>(kDim + 8, 1).put<S>(kDim + 10, 1).read().ok()) << "none beyond three";
+  EXPECT_TRUE(Changed().put<S>(kDim, 5).put<S>(kDim + 8, 1).put<S>(kDim + 10, 1).read().ok())
+      << "none beyond three";
   for (const S type : {S{1}, S{32}, S{128}, S{1536}, S{1792}, S{2048}, S{2304}, S{0}, S{-2}})
     EXPECT_EQ(Changed().put<S>(kType, type).refusal(), ErrorCode::NotBuiltYet) << type;
   const auto analyze = Changed().put<std::int32_t>(344, 0).read();
@@ -204,12 +214,14 @@ TEST(NiftiHeaders, AnAffineThatPlacesNothingIsRefused) {
     flat.put<float>(kSrow + 16 * row + 4, 2 * x);
   }
   EXPECT_EQ(flat.refusal(), ErrorCode::GeometryRefused);
-  EXPECT_EQ(Changed().put<float>(kSrow, 1e5f).refusal(), ErrorCode::GeometryRefused) << "100 m between voxels";
+  EXPECT_EQ(Changed().put<float>(kSrow, 1e5f).refusal(), ErrorCode::GeometryRefused)
+      << "100 m between voxels";
   for (const float bad : {NAN, INFINITY, 1.5f}) {
     EXPECT_EQ(Changed("qform.nii").put<float>(kQuatern, bad).refusal(), ErrorCode::GeometryRefused) << bad;
     if (bad == 1.5f) continue;
     EXPECT_EQ(Changed("qform.nii").put<float>(kPixdim + 4, bad).refusal(), ErrorCode::GeometryRefused) << bad;
-    EXPECT_EQ(Changed("qform.nii").put<float>(kQuatern + 12, bad).refusal(), ErrorCode::GeometryRefused) << bad;
+    EXPECT_EQ(Changed("qform.nii").put<float>(kQuatern + 12, bad).refusal(), ErrorCode::GeometryRefused)
+        << bad;
   }
   EXPECT_EQ(Changed("qform.nii").put<float>(kPixdim + 8, 0).refusal(), ErrorCode::GeometryRefused);
   const auto negative = Changed("qform.nii").put<float>(kPixdim + 4, -0.7f).read();
@@ -219,7 +231,8 @@ TEST(NiftiHeaders, AnAffineThatPlacesNothingIsRefused) {
 }
 
 TEST(NiftiHeaders, ScalingThatCannotBeUsed) {
-  EXPECT_EQ((*Changed().put<float>(kSlope, 0).put<float>(kInter, 7).read())->info().rescale[0], ModalityRescale{});
+  EXPECT_EQ((*Changed().put<float>(kSlope, 0).put<float>(kInter, 7).read())->info().rescale[0],
+            ModalityRescale{});
   EXPECT_EQ((*Changed().put<float>(kSlope, NAN).put<float>(kInter, NAN).read())->info().unscaled, false);
   for (const auto& [slope, inter] : {std::pair{NAN, 0.f}, std::pair{INFINITY, 0.f}, std::pair{2.f, NAN}}) {
     const auto v = Changed().put<float>(kSlope, slope).put<float>(kInter, inter).read();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// NRRD files that teem wrote (files/make_nrrd.sh), and headers written here in every way that the format allows.
+// NRRD files that teem wrote (files/make_nrrd.sh), and headers written here in every way that the format
+// allows.
 #include <gmock/gmock.h>
 
 #include <cstring>
@@ -20,7 +21,8 @@ void expectCounting(const Volume& v) {
   ASSERT_EQ(v.grid().columns, 4);
   ASSERT_EQ(v.grid().rows, 3);
   ASSERT_EQ(v.grid().slices, 2);
-  for (std::int64_t p = 0; p < 24; ++p) ASSERT_EQ(v.stored(p % 4, p / 4 % 3, p / 12), static_cast<double>(p - 12));
+  for (std::int64_t p = 0; p < 24; ++p)
+    ASSERT_EQ(v.stored(p % 4, p / 4 % 3, p / 12), static_cast<double>(p - 12));
 }
 
 // RAS (1,2,3) is LPS (-1,-2,3), and so on for each axis.
@@ -32,8 +34,8 @@ void expectPlace(const PatientFromVoxel& m) {
 }
 
 TEST(Nrrd, AsTeemWritesIt) {
-  for (const char* name : {"teem-raw.nrrd", "teem-gzip.nrrd", "teem-bzip2.nrrd", "teem-ascii.nrrd", "teem-big.nrrd",
-                           "teem-double.nrrd"}) {
+  for (const char* name : {"teem-raw.nrrd", "teem-gzip.nrrd", "teem-bzip2.nrrd", "teem-ascii.nrrd",
+                           "teem-big.nrrd", "teem-double.nrrd"}) {
     SCOPED_TRACE(name);
     const auto v = readVolumeFile((kFiles / name).string());
     ASSERT_TRUE(v.ok()) << v.error().text();
@@ -78,9 +80,12 @@ const std::string kPlace =
 const std::string kDetached = "data file: v.raw\n";
 
 TEST(NrrdSpaces, AreTurnedToLps) {
-  const std::pair<const char*, glm::dvec3> spaces[] = {
-      {"left-posterior-superior", {1, 1, 1}}, {"LPS", {1, 1, 1}},  {"right-anterior-superior", {-1, -1, 1}},
-      {"RAS", {-1, -1, 1}},                   {"LAS", {1, -1, 1}}, {"left-anterior-superior", {1, -1, 1}}};
+  const std::pair<const char*, glm::dvec3> spaces[] = {{"left-posterior-superior", {1, 1, 1}},
+                                                       {"LPS", {1, 1, 1}},
+                                                       {"right-anterior-superior", {-1, -1, 1}},
+                                                       {"RAS", {-1, -1, 1}},
+                                                       {"LAS", {1, -1, 1}},
+                                                       {"left-anterior-superior", {1, -1, 1}}};
   for (const auto& [space, signs] : spaces) {
     Case c;
     const auto v = c.read(kValues + kDetached + "space: " + space +
@@ -93,8 +98,9 @@ TEST(NrrdSpaces, AreTurnedToLps) {
     EXPECT_EQ((*v)->grid().patientFromVoxel.translation, signs * glm::dvec3(1, 2, 3)) << space;
     EXPECT_FALSE(has((*v)->info().findings, "axes-unknown"));
   }
-  for (const char* space : {"space: scanner-xyz\nspace directions: (0.5,0,0) (0,0.75,0) (0,0,2)\n", "spacings: 0.5 0.75 2\n",
-                            "space dimension: 3\nspace directions: (0.5,0,0) (0,0.75,0) (0,0,2)\n"}) {
+  for (const char* space :
+       {"space: scanner-xyz\nspace directions: (0.5,0,0) (0,0.75,0) (0,0,2)\n", "spacings: 0.5 0.75 2\n",
+        "space dimension: 3\nspace directions: (0.5,0,0) (0,0.75,0) (0,0,2)\n"}) {
     Case c;
     const auto v = c.read(kValues + kDetached + space);
     ASSERT_TRUE(v.ok()) << v.error().text();
@@ -109,18 +115,22 @@ TEST(NrrdSpaces, AreTurnedToLps) {
 
 TEST(NrrdSpaces, UnitsOfLengthAreTurnedToMillimetres) {
   Case c;
-  const auto v = c.read(kValues + kDetached + kPlace + "space units: \"cm\" \"cm\" \"cm\"\nsample units: HU\n");
+  const auto v =
+      c.read(kValues + kDetached + kPlace + "space units: \"cm\" \"cm\" \"cm\"\nsample units: HU\n");
   ASSERT_TRUE(v.ok()) << v.error().text();
   EXPECT_EQ((*v)->grid().spacing_mm(), glm::dvec3(5, 7.5, 20));
   EXPECT_EQ((*v)->grid().patientFromVoxel.translation, glm::dvec3(10, 20, 30));
   EXPECT_EQ((*v)->info().unit, "HU") << "stated by the file";
-  EXPECT_EQ(c.refusal(kValues + kDetached + kPlace + "space units: \"furlong\" \"mm\" \"mm\"\n"), ErrorCode::FileDamaged);
+  EXPECT_EQ(c.refusal(kValues + kDetached + kPlace + "space units: \"furlong\" \"mm\" \"mm\"\n"),
+            ErrorCode::FileDamaged);
 }
 
 TEST(NrrdFiles, AttachedSkipsAndWindowsLineEnds) {
   Case c;
-  c.write("a.nrrd", "NRRD0001\r\n# a comment\r\ntype: short\r\ndimension: 3\r\nsizes: 4 3 2\r\nkey:=a: value\r\n"
-                    "encoding: raw\r\nendian: little\r\n\r\n" + c.raw);
+  c.write("a.nrrd",
+          "NRRD0001\r\n# a comment\r\ntype: short\r\ndimension: 3\r\nsizes: 4 3 2\r\nkey:=a: value\r\n"
+          "encoding: raw\r\nendian: little\r\n\r\n" +
+              c.raw);
   const auto attached = readVolumeFile((c.dir.path() / "a.nrrd").string());
   ASSERT_TRUE(attached.ok()) << attached.error().text();
   expectCounting(**attached);
@@ -157,7 +167,8 @@ TEST(NrrdFiles, AListAxisBehindSpaceIsFrames) {
   Case c;
   const std::string head =
       "type: short\ndimension: 4\nsizes: 4 3 1 2\nencoding: raw\nendian: little\nspace: LPS\n"
-      "space directions: (0.5,0,0) (0,0.75,0) (0,0,2) none\nkinds: domain domain domain list\n" + kDetached;
+      "space directions: (0.5,0,0) (0,0.75,0) (0,0,2) none\nkinds: domain domain domain list\n" +
+      kDetached;
   EXPECT_EQ(c.refusal(head), ErrorCode::OptionInvalid);
   BuildOptions o;
   o.frame = 1;
@@ -166,10 +177,13 @@ TEST(NrrdFiles, AListAxisBehindSpaceIsFrames) {
   EXPECT_EQ((*v)->stored(0, 0, 0), 0);
   EXPECT_EQ((*v)->grid().slices, 1);
   EXPECT_EQ(c.refusal("type: short\ndimension: 4\nsizes: 3 4 2 1\nencoding: raw\nendian: little\nspace: LPS\n"
-                      "space directions: none (0.5,0,0) (0,0.75,0) (0,0,2)\n" + kDetached),
+                      "space directions: none (0.5,0,0) (0,0.75,0) (0,0,2)\n" +
+                      kDetached),
             ErrorCode::NotBuiltYet);
-  const auto one = c.read("type: short\ndimension: 4\nsizes: 1 4 3 2\nencoding: raw\nendian: little\nspace: LPS\n"
-                          "space directions: none (0.5,0,0) (0,0.75,0) (0,0,2)\n" + kDetached);
+  const auto one = c.read(
+      "type: short\ndimension: 4\nsizes: 1 4 3 2\nencoding: raw\nendian: little\nspace: LPS\n"
+      "space directions: none (0.5,0,0) (0,0.75,0) (0,0,2)\n" +
+      kDetached);
   ASSERT_TRUE(one.ok()) << one.error().text();
   expectCounting(**one);
 }
@@ -179,7 +193,8 @@ TEST(NrrdFiles, DataOutsideTheFolderIsRefused) {
   fs::create_directories(c.dir.path() / "in");
   c.write("v.raw", c.raw);
   fs::create_symlink("../v.raw", c.dir.path() / "in/link.raw");
-  for (const std::string& name : {std::string("../v.raw"), (c.dir.path() / "v.raw").string(), std::string("link.raw")}) {
+  for (const std::string& name :
+       {std::string("../v.raw"), (c.dir.path() / "v.raw").string(), std::string("link.raw")}) {
     std::ofstream(c.dir.path() / "in/v.nhdr") << "NRRD0004\n" + kValues + "data file: " + name + "\n";
     const auto v = readVolumeFile((c.dir.path() / "in/v.nhdr").string());
     ASSERT_FALSE(v.ok()) << name;
@@ -193,26 +208,39 @@ TEST(NrrdFiles, WhatCannotBeUsedSaysWhy) {
       {"", ErrorCode::FileDamaged},
       {"no colon here\n", ErrorCode::FileDamaged},
       {kValues, ErrorCode::FileDamaged},  // attached without a blank line
-      {"type: short\ndimension: 3\nsizes: 4 3\nencoding: raw\nendian: little\n" + kDetached, ErrorCode::FileDamaged},
-      {"type: short\ndimension: 3\nsizes: 4 -3 2\nencoding: raw\nendian: little\n" + kDetached, ErrorCode::FileDamaged},
-      {"type: short\ndimension: 99\nsizes: 4\nencoding: raw\nendian: little\n" + kDetached, ErrorCode::FileDamaged},
-      {"type: short\ndimension: 3\nsizes: 4 3 3\nencoding: raw\nendian: little\n" + kDetached, ErrorCode::PixelDataShort},
-      {"type: short\ndimension: 3\nsizes: 3000000000 3000000000 3000000000\nencoding: raw\nendian: little\n" + kDetached,
+      {"type: short\ndimension: 3\nsizes: 4 3\nencoding: raw\nendian: little\n" + kDetached,
+       ErrorCode::FileDamaged},
+      {"type: short\ndimension: 3\nsizes: 4 -3 2\nencoding: raw\nendian: little\n" + kDetached,
+       ErrorCode::FileDamaged},
+      {"type: short\ndimension: 99\nsizes: 4\nencoding: raw\nendian: little\n" + kDetached,
+       ErrorCode::FileDamaged},
+      {"type: short\ndimension: 3\nsizes: 4 3 3\nencoding: raw\nendian: little\n" + kDetached,
+       ErrorCode::PixelDataShort},
+      {"type: short\ndimension: 3\nsizes: 3000000000 3000000000 3000000000\nencoding: raw\nendian: little\n" +
+           kDetached,
        ErrorCode::LimitExceeded},
       {"type: short\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n" + kDetached, ErrorCode::FileDamaged},
       {"type: block\ndimension: 3\nsizes: 4 3 2\nencoding: raw\n" + kDetached, ErrorCode::NotBuiltYet},
-      {"type: short\ndimension: 3\nsizes: 4 3 2\nencoding: hex\nendian: little\n" + kDetached, ErrorCode::NotBuiltYet},
-      {"type: short\ndimension: 3\nsizes: 4 3 2\nencoding: gzip\nendian: little\n" + kDetached, ErrorCode::FileDamaged},
-      {"type: short\ndimension: 3\nsizes: 4 3 2\nencoding: bzip2\nendian: little\n" + kDetached, ErrorCode::FileDamaged},
-      {"type: short\ndimension: 3\nsizes: 4 3 2\nencoding: raw\nendian: middle\n" + kDetached, ErrorCode::FileDamaged},
+      {"type: short\ndimension: 3\nsizes: 4 3 2\nencoding: hex\nendian: little\n" + kDetached,
+       ErrorCode::NotBuiltYet},
+      {"type: short\ndimension: 3\nsizes: 4 3 2\nencoding: gzip\nendian: little\n" + kDetached,
+       ErrorCode::FileDamaged},
+      {"type: short\ndimension: 3\nsizes: 4 3 2\nencoding: bzip2\nendian: little\n" + kDetached,
+       ErrorCode::FileDamaged},
+      {"type: short\ndimension: 3\nsizes: 4 3 2\nencoding: raw\nendian: middle\n" + kDetached,
+       ErrorCode::FileDamaged},
       {kValues + "data file: LIST\nv.raw\n", ErrorCode::FileDamaged},
       {kValues + "data file: v%d.raw 1 2 1\n", ErrorCode::NotBuiltYet},
       {kValues + "data file: none.raw\n", ErrorCode::FileNotFound},
-      {kValues + kDetached + "space: LPS\nspace directions: (nan,0,0) (0,1,0) (0,0,1)\n", ErrorCode::GeometryRefused},
-      {kValues + kDetached + "space: LPS\nspace directions: (1,0,0) (1,0,0) (0,0,1)\n", ErrorCode::GeometryRefused},
-      {kValues + kDetached + "space: LPS\nspace directions: (0,0,0) (0,1,0) (0,0,1)\n", ErrorCode::GeometryRefused},
+      {kValues + kDetached + "space: LPS\nspace directions: (nan,0,0) (0,1,0) (0,0,1)\n",
+       ErrorCode::GeometryRefused},
+      {kValues + kDetached + "space: LPS\nspace directions: (1,0,0) (1,0,0) (0,0,1)\n",
+       ErrorCode::GeometryRefused},
+      {kValues + kDetached + "space: LPS\nspace directions: (0,0,0) (0,1,0) (0,0,1)\n",
+       ErrorCode::GeometryRefused},
       {kValues + kDetached + "space: LPS\nspace directions: (1,0,0) (0,1,0)\n", ErrorCode::FileDamaged},
-      {kValues + kDetached + "space: LPS\nspace directions: (1,0,0 (0,1,0) (0,0,1)\n", ErrorCode::FileDamaged},
+      {kValues + kDetached + "space: LPS\nspace directions: (1,0,0 (0,1,0) (0,0,1)\n",
+       ErrorCode::FileDamaged},
       {kValues + kDetached + kPlace + "space origin: 1 2 3\n", ErrorCode::FileDamaged},
       {kValues + kDetached + "spacings: 1 1\n", ErrorCode::FileDamaged},
   };

@@ -70,11 +70,16 @@ void checkNifti(const std::string& folder) {
   const glm::dmat4 m = v.grid().patientFromVoxel.matrix();
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 4; ++column)  // the truth is printed to six places
-      EXPECT_NEAR(m[column][row], truth["patientFromVoxel_lps"][static_cast<std::size_t>(row)][static_cast<std::size_t>(column)].get<double>(), 5.1e-7);
+      EXPECT_NEAR(
+          m[column][row],
+          truth["patientFromVoxel_lps"][static_cast<std::size_t>(row)][static_cast<std::size_t>(column)]
+              .get<double>(),
+          5.1e-7);
   EXPECT_EQ(glm::determinant(v.grid().patientFromVoxel.linear) > 0, truth["determinant_sign_lps"] == 1);
   for (const json& p : truth["probes"]) {
     const json& at = p["lps_mm"];
-    const auto probe = probeStored(v, PatientPoint(at[0].get<double>(), at[1].get<double>(), at[2].get<double>()));
+    const auto probe =
+        probeStored(v, PatientPoint(at[0].get<double>(), at[1].get<double>(), at[2].get<double>()));
     ASSERT_TRUE(probe);
     EXPECT_EQ(json({probe->i, probe->j, probe->k}), p["ijk"]);
     EXPECT_EQ(probe->stored, p["stored"].get<double>());
@@ -135,9 +140,11 @@ TEST(SharedVolumes, HeadsqCt) {
   EXPECT_EQ(sha256Of(**v), truth["stored_sha256"]);
   EXPECT_TRUE(has((*v)->info().findings, "axes-unknown")) << "no letters are claimed";
   const glm::dvec3 s = (*v)->grid().spacing_mm();
-  for (int a = 0; a < 3; ++a) EXPECT_NEAR(s[a], truth["spacing_mm"][static_cast<std::size_t>(a)].get<double>(), 1e-4);
+  for (int a = 0; a < 3; ++a)
+    EXPECT_NEAR(s[a], truth["spacing_mm"][static_cast<std::size_t>(a)].get<double>(), 1e-4);
   const glm::dmat3& m = (*v)->grid().patientFromVoxel.linear;
-  EXPECT_NEAR(std::atan2(m[0].y, m[0].x) * 180 / 3.14159265358979, truth["rotation_about_z_deg"].get<double>(), 1e-3);
+  EXPECT_NEAR(std::atan2(m[0].y, m[0].x) * 180 / 3.14159265358979,
+              truth["rotation_about_z_deg"].get<double>(), 1e-3);
 }
 
 }  // namespace

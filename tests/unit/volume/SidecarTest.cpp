@@ -15,7 +15,11 @@ using ::testing::HasSubstr;
 
 struct Case {
   test::TempDir dir;
-  json j{{"format", "vernier-raw/1"}, {"dims", {4, 3, 2}}, {"type", "int16"}, {"byte_order", "little"}, {"spacing_mm", {0.5, 0.75, 2}}};
+  json j{{"format", "vernier-raw/1"},
+         {"dims", {4, 3, 2}},
+         {"type", "int16"},
+         {"byte_order", "little"},
+         {"spacing_mm", {0.5, 0.75, 2}}};
   std::string raw;
   Case() {
     for (int i = -12; i < 12; ++i) {
@@ -55,7 +59,8 @@ TEST(Sidecar, SaysAllThatRawVoxelsDoNot) {
     c.raw = "abc" + c.raw;
     const auto v = c.read(name);
     ASSERT_TRUE(v.ok()) << v.error().text();
-    for (std::int64_t p = 0; p < 24; ++p) ASSERT_EQ((*v)->stored(p % 4, p / 4 % 3, p / 12), static_cast<double>(p - 12));
+    for (std::int64_t p = 0; p < 24; ++p)
+      ASSERT_EQ((*v)->stored(p % 4, p / 4 % 3, p / 12), static_cast<double>(p - 12));
     EXPECT_EQ((*v)->modality(3, 2, 1), 11 * 2.5 - 1000);
     EXPECT_TRUE((*v)->probe(0, 0, 0).noData);
     EXPECT_EQ((*v)->info().unit, "HU");

@@ -18,8 +18,8 @@ using ByteSpan = std::span<const std::byte>;
 
 // Buffers that are kept from frame to frame, one set per thread.
 struct Scratch {
-  std::vector<std::byte> frame;   // the compressed frame
-  std::vector<std::byte> pixels;  // decoded, before interleaving or widening
+  std::vector<std::byte> frame;             // the compressed frame
+  std::vector<std::byte> pixels;            // decoded, before interleaving or widening
   ColourSpace colours = ColourSpace::Grey;  // of the frame decoded last
 };
 

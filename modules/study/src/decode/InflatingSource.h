@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A deflated data set (PS3.5 A.5) read as a stream: nothing is kept but a small window, so that the frames of a large
-// object can be taken out one after the other without holding it inflated. Reading before the window starts over.
-// Limits as inflateAll(). Not shared between threads.
+// A deflated data set (PS3.5 A.5) read as a stream: nothing is kept but a small window, so that the frames of
+// a large object can be taken out one after the other without holding it inflated. Reading before the window
+// starts over. Limits as inflateAll(). Not shared between threads.
 #pragma once
 #include <memory>
 #include <optional>
@@ -18,7 +18,8 @@ class InflatingSource final : public Source {
   // The greatest size allowed until the end was met, then the true one.
   std::uint64_t size() const override;
   bool read(std::uint64_t offset, std::span<std::byte> to) override;
-  std::span<const std::byte> view(std::uint64_t offset, std::uint64_t n, std::vector<std::byte>& scratch) override;
+  std::span<const std::byte> view(std::uint64_t offset, std::uint64_t n,
+                                  std::vector<std::byte>& scratch) override;
   // Why a read failed, when the stream itself is damaged or too large.
   const std::optional<Error>& failure() const { return failure_; }
 
@@ -30,8 +31,8 @@ class InflatingSource final : public Source {
   Source& file_;
   std::uint64_t dataSet_, packedAt_ = 0;
   std::unique_ptr<Stream> stream_;
-  std::vector<std::byte> packed_;                 // the piece of the file that is being inflated
-  std::vector<std::byte> window_;                 // inflated bytes [windowStart_, windowStart_ + size)
+  std::vector<std::byte> packed_;  // the piece of the file that is being inflated
+  std::vector<std::byte> window_;  // inflated bytes [windowStart_, windowStart_ + size)
   std::uint64_t windowStart_ = 0;
   bool ended_ = false;
   std::optional<std::uint64_t> end_;

@@ -38,9 +38,9 @@ std::uint32_t be16(ByteSpan b, std::size_t at) {
 }
 
 bool startsWith(ByteSpan b, std::string_view text) {
-  return b.size() >= text.size() &&
-         std::equal(text.begin(), text.end(), b.begin(),
-                    [](char c, std::byte x) { return std::byte(static_cast<unsigned char>(c)) == x; });
+  return b.size() >= text.size() && std::equal(text.begin(), text.end(), b.begin(), [](char c, std::byte x) {
+           return std::byte(static_cast<unsigned char>(c)) == x;
+         });
 }
 
 // The colour transform that an Adobe APP14 segment names (T.872 6.5.3): 0 none, 1 YCbCr.

@@ -54,8 +54,8 @@ class FileSource final : public Source {
   FileSource(const FileSource&) = delete;
   FileSource& operator=(const FileSource&) = delete;
 
-  // Errors: FileNotFound, NotAFile; FileDamaged for an entry of an archive, which is unpacked whole to memory (and
-  // shared by all sources that hold it).
+  // Errors: FileNotFound, NotAFile; FileDamaged for an entry of an archive, which is unpacked whole to memory
+  // (and shared by all sources that hold it).
   Result<void> open(const FileRecord& file);
   void close();
   std::uint64_t size() const override { return size_; }

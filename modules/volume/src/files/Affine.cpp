@@ -35,22 +35,26 @@ PatientFromVoxel lpsFromRas(PatientFromVoxel m) {
 Result<void> settleAxes(GridGeometry& g) {
   glm::dmat3& m = g.patientFromVoxel.linear;
   if (!finite(m[0]) || !finite(m[1]) || !finite(m[2]) || !finite(g.patientFromVoxel.translation))
-    return makeError(ErrorCode::GeometryRefused,
-                     "The affine holds a number that is not finite, so no voxel has a place; correct the header.");
+    return makeError(
+        ErrorCode::GeometryRefused,
+        "The affine holds a number that is not finite, so no voxel has a place; correct the header.");
   const std::int64_t sizes[] = {g.columns, g.rows, g.slices};
   for (int axis = 0; axis < 3; ++axis)
     if (sizes[axis] == 1 && glm::length(m[axis]) == 0)
       m[axis] = normalOf(m[(axis + 1) % 3], m[(axis + 2) % 3]);
   for (int axis = 0; axis < 3; ++axis)
     if (const double s = glm::length(m[axis]); !(s >= 1e-4 && s <= 1e3))
-      return makeError(ErrorCode::GeometryRefused,
-                       "The distance of voxels must lie between 0.0001 and 1000 mm on each axis; correct the header.");
+      return makeError(
+          ErrorCode::GeometryRefused,
+          "The distance of voxels must lie between 0.0001 and 1000 mm on each axis; correct the header.");
   return checkMap(g.patientFromVoxel);
 }
 
 Finding axesUnknown(const std::string& why) {
-  return {"axes-unknown", Severity::Warning,
-          why + " Lengths and angles hold, but left, right, front, back, head and foot are not known.", {}};
+  return {"axes-unknown",
+          Severity::Warning,
+          why + " Lengths and angles hold, but left, right, front, back, head and foot are not known.",
+          {}};
 }
 
 }  // namespace vernier

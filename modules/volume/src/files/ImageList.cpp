@@ -43,7 +43,8 @@ Result<void> readDirective(std::string_view line, List& list) {
     list.zSpan = (*numbers)[0];
     return {};
   }
-  if (parts[0] == "@pixel-size" && numbers && numbers->size() == 2 && length((*numbers)[0]) && length((*numbers)[1])) {
+  if (parts[0] == "@pixel-size" && numbers && numbers->size() == 2 && length((*numbers)[0]) &&
+      length((*numbers)[1])) {
     list.width = (*numbers)[0];
     list.height = (*numbers)[1];
     list.sized = true;
@@ -53,7 +54,8 @@ Result<void> readDirective(std::string_view line, List& list) {
     list.unit = std::string(trimmed(line.substr(parts[0].size())));
     return {};
   }
-  return damaged("a line that begins with @ is none of '@z-span S', '@pixel-size W H' (numbers above 0), '@unit TEXT'.");
+  return damaged(
+      "a line that begins with @ is none of '@z-span S', '@pixel-size W H' (numbers above 0), '@unit TEXT'.");
 }
 
 Result<List> parseList(std::string_view text) {
@@ -67,7 +69,8 @@ Result<List> parseList(std::string_view text) {
     }
     list.names.emplace_back(line);
     if (list.names.size() > limits::kMaxFrames)
-      return makeError(ErrorCode::LimitExceeded, "The list names more than " + std::to_string(limits::kMaxFrames) + " images.");
+      return makeError(ErrorCode::LimitExceeded,
+                       "The list names more than " + std::to_string(limits::kMaxFrames) + " images.");
   }
   if (list.names.empty()) return damaged("it names no image.");
   return list;
@@ -142,10 +145,12 @@ Result<std::vector<FileRecord>> picturesOf(const FileRecord& file, const List& l
   for (const std::string& name : list.names) {
     auto picture = besideFile(file, name);
     if (!picture)
-      return makeError(picture.error().code,
-                       "The list names an image outside its own folder, which is refused; put the images beside it.");
+      return makeError(
+          picture.error().code,
+          "The list names an image outside its own folder, which is refused; put the images beside it.");
     if (picture->bytes == 0)
-      return makeError(ErrorCode::FileNotFound, "An image of the list is not there or is empty.", picture->shown);
+      return makeError(ErrorCode::FileNotFound, "An image of the list is not there or is empty.",
+                       picture->shown);
     pictures.push_back(std::move(*picture));
   }
   return pictures;
@@ -163,11 +168,13 @@ void describe(const List& list, const PictureFacts& facts, VolumeInfo& info) {
   if (list.zSpan) spanSlices(g, *list.zSpan);
   info.findings.push_back(axesUnknown("A list of images does not say how they lie in a patient."));
   if (!list.sized || !list.zSpan)
-    info.findings.push_back({"spacing-assumed", Severity::Warning,
-                             std::string("The list does not state ") +
-                                 (list.sized ? "the span of its slices; they are taken to be as far apart as columns."
-                                             : "the size of a pixel; 1 mm is taken and lengths mean nothing."),
-                             {}});
+    info.findings.push_back(
+        {"spacing-assumed",
+         Severity::Warning,
+         std::string("The list does not state ") +
+             (list.sized ? "the span of its slices; they are taken to be as far apart as columns."
+                         : "the size of a pixel; 1 mm is taken and lengths mean nothing."),
+         {}});
   info.inverted = facts.whiteIsZero;
   if (!list.unit.empty()) info.unit = list.unit;
   info.modality = "OT";
@@ -203,8 +210,9 @@ Result<ParsedVolume> parseImageList(const FileRecord& file, const InputFilePtr& 
   const auto facts = pictureFacts(*first);
   if (!facts) return inPicture(facts.error(), pictures->front());
   if (facts->channels != 1)
-    return inPicture(makeError(ErrorCode::NotBuiltYet, "Lists of colour images are not read; save the images as grey."),
-                     pictures->front());
+    return inPicture(
+        makeError(ErrorCode::NotBuiltYet, "Lists of colour images are not read; save the images as grey."),
+        pictures->front());
   ParsedVolume p;
   p.facts.format = "image list";
   describe(*list, *facts, p.facts.info);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A text file that names the pictures of a volume, one per line (as the .vrp files of SGI's Volume Rendering Primer).
-// Grammar: docs/files.md.
+// A text file that names the pictures of a volume, one per line (as the .vrp files of SGI's Volume Rendering
+// Primer). Grammar: docs/files.md.
 #pragma once
 #include <string_view>
 

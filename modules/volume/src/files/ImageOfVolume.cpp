@@ -11,7 +11,8 @@ namespace {
 std::optional<FramePlane> planeOf(const GridGeometry& g, std::int64_t k) {
   const glm::dmat3& m = g.patientFromVoxel.linear;
   if (std::abs(glm::dot(glm::normalize(m[0]), glm::normalize(m[1]))) > 1e-4) return std::nullopt;
-  const glm::dvec3 at = g.even() ? glm::dvec3(0, 0, static_cast<double>(k)) : g.sliceOrigin_vox[static_cast<std::size_t>(k)];
+  const glm::dvec3 at =
+      g.even() ? glm::dvec3(0, 0, static_cast<double>(k)) : g.sliceOrigin_vox[static_cast<std::size_t>(k)];
   return FramePlane{g.patientFromVoxel * VoxelPoint(at), normalize(PatientVec(m[0])),
                     normalize(PatientVec(m[1]))};
 }

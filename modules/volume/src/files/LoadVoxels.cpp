@@ -156,7 +156,8 @@ class Loader {
     const std::uint64_t left = has - p.offset;
     const bool raw = p.packing == Packing::Raw;
     const std::uint64_t most = mostBytes(p, left);
-    if (p.skip > most || most - p.skip < need) return shortData(need, raw && left > p.skip ? left - p.skip : left, p.file.shown);
+    if (p.skip > most || most - p.skip < need)
+      return shortData(need, raw && left > p.skip ? left - p.skip : left, p.file.shown);
     if (raw && left - p.skip > need) bytesAfter(left - p.skip - need);
     return {};
   }
@@ -176,7 +177,8 @@ class Loader {
   }
 
   void bytesAfter(std::uint64_t n) {
-    info().findings.push_back({"bytes-after-voxels", Severity::Info,
+    info().findings.push_back({"bytes-after-voxels",
+                               Severity::Info,
                                std::to_string(n) + " bytes follow the voxels in the file and are not used.",
                                {{"bytes", static_cast<double>(n)}}});
   }
@@ -223,9 +225,11 @@ class Loader {
     if (place().type == FileType::F64)
       convert(reinterpret_cast<const double*>(from), reinterpret_cast<float*>(to), n, converted_);
     else if (place().type == FileType::I64)
-      convert(reinterpret_cast<const std::int64_t*>(from), reinterpret_cast<std::int32_t*>(to), n, converted_);
+      convert(reinterpret_cast<const std::int64_t*>(from), reinterpret_cast<std::int32_t*>(to), n,
+              converted_);
     else
-      convert(reinterpret_cast<const std::uint64_t*>(from), reinterpret_cast<std::int32_t*>(to), n, converted_);
+      convert(reinterpret_cast<const std::uint64_t*>(from), reinterpret_cast<std::int32_t*>(to), n,
+              converted_);
   }
 
   // What the conversion means for a reader.
@@ -237,15 +241,17 @@ class Loader {
         return makeError(ErrorCode::PixelDescriptionInvalid,
                          std::to_string(converted_.unfit) + " values of type " + from +
                              " do not fit in 32 bits; convert the file to a type of at most 32 bits.");
-      info().findings.push_back({"values-converted", Severity::Info,
+      info().findings.push_back({"values-converted",
+                                 Severity::Info,
                                  "The values are " + from + " and all fit in 32 bits; none changed.",
                                  {}});
       return {};
     }
     if (converted_.unfit > 0)
-      return makeError(ErrorCode::PixelDescriptionInvalid,
-                       std::to_string(converted_.unfit) +
-                           " values of type float64 are beyond the range of 32-bit floats; rescale the file.");
+      return makeError(
+          ErrorCode::PixelDescriptionInvalid,
+          std::to_string(converted_.unfit) +
+              " values of type float64 are beyond the range of 32-bit floats; rescale the file.");
     Finding f{"double-pixels-rounded", converted_.rounded > 0 ? Severity::Notice : Severity::Info, "", {}};
     f.sentence = converted_.rounded > 0
                      ? "The values are 64-bit floats; they are shown and measured as 32-bit floats."
@@ -288,8 +294,8 @@ std::size_t bytesOf(FileType t) {
 }
 
 const char* nameOf(FileType t) {
-  static constexpr const char* kNames[] = {"uint8",  "int8",  "uint16", "int16",   "uint32",
-                                           "int32",  "uint64", "int64", "float32", "float64"};
+  static constexpr const char* kNames[] = {"uint8", "int8",   "uint16", "int16",   "uint32",
+                                           "int32", "uint64", "int64",  "float32", "float64"};
   return kNames[static_cast<int>(t)];
 }
 

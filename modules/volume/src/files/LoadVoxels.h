@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From what a header says to voxels in memory: one way for all formats. Sizes are checked before memory is taken;
-// values are turned to native byte order and, where a Volume has no such type, converted piece by piece.
+// From what a header says to voxels in memory: one way for all formats. Sizes are checked before memory is
+// taken; values are turned to native byte order and, where a Volume has no such type, converted piece by
+// piece.
 #pragma once
 #include <functional>
 #include <optional>
@@ -14,8 +15,8 @@ namespace vernier {
 // Type of one value in a file.
 enum class FileType { U8, I8, U16, I16, U32, I32, U64, I64, F32, F64 };
 std::size_t bytesOf(FileType);
-const char* nameOf(FileType);         // "uint8", "float64"
-VoxelType voxelTypeOf(FileType);      // what becomes of it in memory
+const char* nameOf(FileType);     // "uint8", "float64"
+VoxelType voxelTypeOf(FileType);  // what becomes of it in memory
 
 // Text: decimal numbers between blanks and commas. Other: VoxelPlace::open knows.
 enum class Packing { Raw, Gzip, Bzip2, Text, Other };

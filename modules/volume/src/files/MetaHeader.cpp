@@ -89,11 +89,11 @@ class Reader {
 
 std::optional<FileType> elementType(std::string_view element) {
   static const std::map<std::string_view, FileType> kTypes{
-      {"MET_CHAR", FileType::I8},   {"MET_UCHAR", FileType::U8},      {"MET_SHORT", FileType::I16},
-      {"MET_USHORT", FileType::U16}, {"MET_INT", FileType::I32},       {"MET_UINT", FileType::U32},
-      {"MET_LONG", FileType::I32},   {"MET_ULONG", FileType::U32},  // four bytes in MetaImage
-      {"MET_LONG_LONG", FileType::I64}, {"MET_ULONG_LONG", FileType::U64},
-      {"MET_FLOAT", FileType::F32}, {"MET_DOUBLE", FileType::F64}};
+      {"MET_CHAR", FileType::I8},       {"MET_UCHAR", FileType::U8},       {"MET_SHORT", FileType::I16},
+      {"MET_USHORT", FileType::U16},    {"MET_INT", FileType::I32},        {"MET_UINT", FileType::U32},
+      {"MET_LONG", FileType::I32},      {"MET_ULONG", FileType::U32},  // four bytes in MetaImage
+      {"MET_LONG_LONG", FileType::I64}, {"MET_ULONG_LONG", FileType::U64}, {"MET_FLOAT", FileType::F32},
+      {"MET_DOUBLE", FileType::F64}};
   const auto it = kTypes.find(element);
   return it == kTypes.end() ? std::nullopt : std::optional(it->second);
 }
@@ -146,9 +146,7 @@ Result<void> readElements(const Reader& r, MetaHeader& h) {
   const std::string* element = r.find({"ElementType"});
   if (!element) return r.damaged("ElementType is missing.");
   const auto type = elementType(*element);
-  if (!type)
-    return r.notBuilt(
-        "This ElementType is not read; convert the file to integers or floats.");
+  if (!type) return r.notBuilt("This ElementType is not read; convert the file to integers or floats.");
   h.type = *type;
   if (const std::string* binary = r.find({"BinaryData"}); binary && !r.flag({"BinaryData"}))
     return r.notBuilt(

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "vernier/base/Result.h"
 #include "files/LoadVoxels.h"
+#include "vernier/base/Result.h"
 
 namespace vernier {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which of the two affines holds: the sform when its code is above 0, else the qform when its code is above 0, else
-// only the spacing is known (the standard's methods 3, 2 and 1). nibabel and FSL choose alike.
+// Which of the two affines holds: the sform when its code is above 0, else the qform when its code is above
+// 0, else only the spacing is known (the standard's methods 3, 2 and 1). nibabel and FSL choose alike.
 #include "files/Nifti.h"
 
 #include <algorithm>
@@ -152,11 +152,13 @@ Result<void> readSizes(const Fields& f, ParsedVolume& p) {
   for (std::size_t d = 0; d < static_cast<std::size_t>(n); ++d) {
     size[d] = f.dim[d + 1];
     if (size[d] < 1)
-      return damaged("dim[" + std::to_string(d + 1) + "] is " + std::to_string(size[d]) + ", at least 1 is expected.");
+      return damaged("dim[" + std::to_string(d + 1) + "] is " + std::to_string(size[d]) +
+                     ", at least 1 is expected.");
   }
   for (std::size_t d = 4; d < 7; ++d)
     if (size[d] > 1)
-      return notRead("The NIfTI file has " + std::to_string(n) + " dimensions (vectors, tensors or more); files of "
+      return notRead("The NIfTI file has " + std::to_string(n) +
+                     " dimensions (vectors, tensors or more); files of "
                      "up to 4 dimensions are read. Save one component as a file of its own.");
   GridGeometry& g = p.facts.info.grid;
   g.columns = size[0], g.rows = size[1], g.slices = size[2];
@@ -184,8 +186,10 @@ Result<double> mmPerUnit(const Fields& f, std::vector<Finding>& findings) {
     case 3:
       return 0.001;
     case 0:
-      findings.push_back({"length-unit-assumed", Severity::Notice,
-                          "The file does not state its unit of length; millimetres are assumed.", {}});
+      findings.push_back({"length-unit-assumed",
+                          Severity::Notice,
+                          "The file does not state its unit of length; millimetres are assumed.",
+                          {}});
       return 1.0;
     default:
       return damaged("xyzt_units states a unit of length that is not defined.");
@@ -195,7 +199,8 @@ Result<double> mmPerUnit(const Fields& f, std::vector<Finding>& findings) {
 PatientFromVoxel sform(const Fields& f) {
   PatientFromVoxel m;
   for (int row = 0; row < 3; ++row) {
-    for (int axis = 0; axis < 3; ++axis) m.linear[axis][row] = f.srow[static_cast<std::size_t>(4 * row + axis)];
+    for (int axis = 0; axis < 3; ++axis)
+      m.linear[axis][row] = f.srow[static_cast<std::size_t>(4 * row + axis)];
     m.translation[row] = f.srow[static_cast<std::size_t>(4 * row + 3)];
   }
   return m;
@@ -215,8 +220,11 @@ Result<glm::dvec3> spacingOf(const Fields& f, const GridGeometry& g, std::vector
     s[axis] = std::abs(p);
   }
   if (negative)
-    findings.push_back({"negative-spacing", Severity::Notice,
-                        "A spacing is negative in the header; its absolute value is used, as other readers do.", {}});
+    findings.push_back(
+        {"negative-spacing",
+         Severity::Notice,
+         "A spacing is negative in the header; its absolute value is used, as other readers do.",
+         {}});
   return s;
 }
 
@@ -236,8 +244,10 @@ Result<PatientFromVoxel> qform(const Fields& f, const glm::dvec3& spacing) {
   }
   const double side = f.pixdim[0] < 0 ? -1 : 1;
   PatientFromVoxel m;
-  m.linear[0] = spacing.x * glm::dvec3(a * a + b * b - c * c - d * d, 2 * (b * c + a * d), 2 * (b * d - a * c));
-  m.linear[1] = spacing.y * glm::dvec3(2 * (b * c - a * d), a * a + c * c - b * b - d * d, 2 * (c * d + a * b));
+  m.linear[0] =
+      spacing.x * glm::dvec3(a * a + b * b - c * c - d * d, 2 * (b * c + a * d), 2 * (b * d - a * c));
+  m.linear[1] =
+      spacing.y * glm::dvec3(2 * (b * c - a * d), a * a + c * c - b * b - d * d, 2 * (c * d + a * b));
   m.linear[2] =
       side * spacing.z * glm::dvec3(2 * (b * d + a * c), 2 * (c * d - a * b), a * a + d * d - c * c - b * b);
   m.translation = {f.quatern[3], f.quatern[4], f.quatern[5]};
@@ -266,7 +276,8 @@ void compareForms(const Fields& f, const GridGeometry& g, const PatientFromVoxel
   const double off_mm = mm * apart(g, *q, s);
   const double least = 0.05 * mm * std::max({spacing->x, spacing->y, spacing->z});
   if (!(off_mm > least)) return;
-  findings.push_back({"qform-sform-differ", Severity::Notice,
+  findings.push_back({"qform-sform-differ",
+                      Severity::Notice,
                       "The file places the volume in two ways that differ by up to " +
                           std::to_string(static_cast<std::int64_t>(std::ceil(off_mm))) +
                           " mm; the sform is used, as most readers do.",
@@ -294,7 +305,8 @@ Result<void> readGeometry(const Fields& f, ParsedVolume& p) {
     } else {
       for (int axis = 0; axis < 3; ++axis) ras.linear[axis] = glm::dvec3(0);
       for (int axis = 0; axis < 3; ++axis) ras.linear[axis][axis] = (*spacing)[axis];
-      findings.push_back(axesUnknown("The file does not say how it lies in the patient (qform and sform code are 0)."));
+      findings.push_back(
+          axesUnknown("The file does not say how it lies in the patient (qform and sform code are 0)."));
     }
   }
   for (int axis = 0; axis < 3; ++axis) ras.linear[axis] *= *mm;
@@ -310,8 +322,10 @@ void readValues(const Fields& f, VolumeInfo& info) {
     info.rescale = {{f.slope, f.inter}};
   } else if (!none) {
     info.unscaled = true;
-    info.findings.push_back({"rescale-invalid", Severity::Warning,
-                             "scl_slope or scl_inter is not a number; stored values are shown, unscaled.", {}});
+    info.findings.push_back({"rescale-invalid",
+                             Severity::Warning,
+                             "scl_slope or scl_inter is not a number; stored values are shown, unscaled.",
+                             {}});
   }
   if (std::isfinite(f.calMin) && std::isfinite(f.calMax) && f.calMax > f.calMin && !info.unscaled)
     info.windows.push_back(
@@ -332,7 +346,8 @@ Kind kindOf(std::span<const std::byte> head) {
          startsWith(head, 4, std::string_view("ni2\0\r\n\x1a\n", 8))))
       return {2, big};
     if (size != 348) continue;
-    if (startsWith(head, 344, std::string_view("n+1\0", 4)) || startsWith(head, 344, std::string_view("ni1\0", 4)))
+    if (startsWith(head, 344, std::string_view("n+1\0", 4)) ||
+        startsWith(head, 344, std::string_view("ni1\0", 4)))
       return {1, big};
     const std::int16_t dims = Bytes(head, big).at<std::int16_t>(40);
     if (dims >= 1 && dims <= 7) return {3, big};
@@ -347,8 +362,9 @@ bool looksLikeNifti(std::span<const std::byte> head) { return kindOf(head).versi
 Result<NiftiHeader> parseNifti(std::span<const std::byte> head) {
   const Kind kind = kindOf(head);
   if (kind.version == 3)
-    return notRead("This is an Analyze 7.5 file, which does not say left from right; convert it to NIfTI with a tool "
-                   "that knows where it came from.");
+    return notRead(
+        "This is an Analyze 7.5 file, which does not say left from right; convert it to NIfTI with a tool "
+        "that knows where it came from.");
   VERNIER_ASSERT(kind.version != 0);
   const Fields f = kind.version == 1 ? readFirst(head, kind.bigEndian) : readSecond(head, kind.bigEndian);
   NiftiHeader h;

@@ -93,38 +93,59 @@ class Header {
   }
 
   Result<void> readType() {
-    static const std::map<std::string_view, FileType> kTypes{
-        {"signed char", FileType::I8},         {"int8", FileType::I8},
-        {"int8_t", FileType::I8},              {"uchar", FileType::U8},
-        {"unsigned char", FileType::U8},       {"uint8", FileType::U8},
-        {"uint8_t", FileType::U8},             {"short", FileType::I16},
-        {"short int", FileType::I16},          {"signed short", FileType::I16},
-        {"signed short int", FileType::I16},   {"int16", FileType::I16},
-        {"int16_t", FileType::I16},            {"ushort", FileType::U16},
-        {"unsigned short", FileType::U16},     {"unsigned short int", FileType::U16},
-        {"uint16", FileType::U16},             {"uint16_t", FileType::U16},
-        {"int", FileType::I32},                {"signed int", FileType::I32},
-        {"int32", FileType::I32},              {"int32_t", FileType::I32},
-        {"uint", FileType::U32},               {"unsigned int", FileType::U32},
-        {"uint32", FileType::U32},             {"uint32_t", FileType::U32},
-        {"longlong", FileType::I64},           {"long long", FileType::I64},
-        {"long long int", FileType::I64},      {"signed long long", FileType::I64},
-        {"signed long long int", FileType::I64}, {"int64", FileType::I64},
-        {"int64_t", FileType::I64},            {"ulonglong", FileType::U64},
-        {"unsigned long long", FileType::U64}, {"unsigned long long int", FileType::U64},
-        {"uint64", FileType::U64},             {"uint64_t", FileType::U64},
-        {"float", FileType::F32},              {"double", FileType::F64}};
+    static const std::map<std::string_view, FileType> kTypes{{"signed char", FileType::I8},
+                                                             {"int8", FileType::I8},
+                                                             {"int8_t", FileType::I8},
+                                                             {"uchar", FileType::U8},
+                                                             {"unsigned char", FileType::U8},
+                                                             {"uint8", FileType::U8},
+                                                             {"uint8_t", FileType::U8},
+                                                             {"short", FileType::I16},
+                                                             {"short int", FileType::I16},
+                                                             {"signed short", FileType::I16},
+                                                             {"signed short int", FileType::I16},
+                                                             {"int16", FileType::I16},
+                                                             {"int16_t", FileType::I16},
+                                                             {"ushort", FileType::U16},
+                                                             {"unsigned short", FileType::U16},
+                                                             {"unsigned short int", FileType::U16},
+                                                             {"uint16", FileType::U16},
+                                                             {"uint16_t", FileType::U16},
+                                                             {"int", FileType::I32},
+                                                             {"signed int", FileType::I32},
+                                                             {"int32", FileType::I32},
+                                                             {"int32_t", FileType::I32},
+                                                             {"uint", FileType::U32},
+                                                             {"unsigned int", FileType::U32},
+                                                             {"uint32", FileType::U32},
+                                                             {"uint32_t", FileType::U32},
+                                                             {"longlong", FileType::I64},
+                                                             {"long long", FileType::I64},
+                                                             {"long long int", FileType::I64},
+                                                             {"signed long long", FileType::I64},
+                                                             {"signed long long int", FileType::I64},
+                                                             {"int64", FileType::I64},
+                                                             {"int64_t", FileType::I64},
+                                                             {"ulonglong", FileType::U64},
+                                                             {"unsigned long long", FileType::U64},
+                                                             {"unsigned long long int", FileType::U64},
+                                                             {"uint64", FileType::U64},
+                                                             {"uint64_t", FileType::U64},
+                                                             {"float", FileType::F32},
+                                                             {"double", FileType::F64}};
     const std::string* name = find({"type"});
     if (!name) return damaged("type is missing.");
     const auto it = kTypes.find(lowerCase(*name));
-    if (it == kTypes.end()) return notRead("This NRRD type is not read; convert the file to integers or floats.");
+    if (it == kTypes.end())
+      return notRead("This NRRD type is not read; convert the file to integers or floats.");
     p_.place.type = it->second;
     p_.facts.storedType = nameOf(it->second);
     p_.facts.info.type = voxelTypeOf(it->second);
     return {};
   }
 
-  // Which axes lie in space. One that does not may be of one entry anywhere, or the slowest: a list of volumes.
+  // Which axes lie in space. One that does not may be of one entry anywhere, or the slowest: a list of
+  // volumes.
   Result<void> readAxes() {
     std::vector<bool> spatial(sizes_.size(), true);
     if (const std::string* kinds = find({"kinds"})) {
@@ -138,8 +159,10 @@ class Header {
     if (const std::string* directions = find({"space directions"})) {
       if (auto r = readDirections(*directions); !r) return r;
       for (std::size_t a = 0; a < sizes_.size(); ++a) spatial[a] = directions_[a].has_value();
-    } else if (sizes_.size() > 3 && std::count(spatial.begin(), spatial.end(), true) == static_cast<std::ptrdiff_t>(sizes_.size())) {
-      for (std::size_t a = 3; a < sizes_.size(); ++a) spatial[a] = false;  // nothing is said: the fastest three
+    } else if (sizes_.size() > 3 && std::count(spatial.begin(), spatial.end(), true) ==
+                                        static_cast<std::ptrdiff_t>(sizes_.size())) {
+      for (std::size_t a = 3; a < sizes_.size(); ++a)
+        spatial[a] = false;  // nothing is said: the fastest three
     }
     for (std::size_t a = 0; a < sizes_.size(); ++a) {
       if (spatial[a]) {
@@ -148,12 +171,14 @@ class Header {
       }
       if (sizes_[a] == 1) continue;
       if (a + 1 < sizes_.size() || p_.facts.frames > 1)
-        return notRead("The NRRD file has " + std::to_string(sizes_[a]) +
-                       " values per voxel (colour, vector or list axis before the last); one value per voxel is read.");
+        return notRead(
+            "The NRRD file has " + std::to_string(sizes_[a]) +
+            " values per voxel (colour, vector or list axis before the last); one value per voxel is read.");
       p_.facts.frames = sizes_[a];
     }
     if (axes_.empty() || axes_.size() > 3)
-      return notRead("The NRRD file has " + std::to_string(axes_.size()) + " axes in space; one to three are read.");
+      return notRead("The NRRD file has " + std::to_string(axes_.size()) +
+                     " axes in space; one to three are read.");
     GridGeometry& g = p_.facts.info.grid;
     g.columns = sizes_[axes_[0]];
     g.rows = axes_.size() > 1 ? sizes_[axes_[1]] : 1;
@@ -194,12 +219,12 @@ class Header {
   // The signs that take the file's world axes to LPS; nullopt when the space is none of a patient.
   std::optional<glm::dvec3> toLps() const {
     static const std::map<std::string_view, glm::dvec3> kSpaces{
-        {"left-posterior-superior", {1, 1, 1}},      {"lps", {1, 1, 1}},
-        {"left-posterior-superior-time", {1, 1, 1}}, {"lpst", {1, 1, 1}},
-        {"right-anterior-superior", {-1, -1, 1}},    {"ras", {-1, -1, 1}},
+        {"left-posterior-superior", {1, 1, 1}},        {"lps", {1, 1, 1}},
+        {"left-posterior-superior-time", {1, 1, 1}},   {"lpst", {1, 1, 1}},
+        {"right-anterior-superior", {-1, -1, 1}},      {"ras", {-1, -1, 1}},
         {"right-anterior-superior-time", {-1, -1, 1}}, {"rast", {-1, -1, 1}},
-        {"left-anterior-superior", {1, -1, 1}},      {"las", {1, -1, 1}},
-        {"left-anterior-superior-time", {1, -1, 1}}, {"last", {1, -1, 1}}};
+        {"left-anterior-superior", {1, -1, 1}},        {"las", {1, -1, 1}},
+        {"left-anterior-superior-time", {1, -1, 1}},   {"last", {1, -1, 1}}};
     const std::string* space = find({"space"});
     if (!space) return std::nullopt;
     const auto it = kSpaces.find(lowerCase(*space));
@@ -210,9 +235,9 @@ class Header {
   Result<glm::dvec3> mmPerUnit() {
     const std::string* units = find({"space units"});
     if (!units) return glm::dvec3(1);
-    static const std::map<std::string_view, double> kUnits{{"mm", 1},     {"millimeter", 1}, {"millimeters", 1},
-                                                           {"cm", 10},    {"m", 1000},       {"um", 0.001},
-                                                           {"micron", 0.001}, {"microns", 0.001}, {"\u00b5m", 0.001}};
+    static const std::map<std::string_view, double> kUnits{
+        {"mm", 1},     {"millimeter", 1}, {"millimeters", 1}, {"cm", 10},        {"m", 1000},
+        {"um", 0.001}, {"micron", 0.001}, {"microns", 0.001}, {"\u00b5m", 0.001}};
     glm::dvec3 mm(1);
     glm::length_t a = 0;
     for (const std::string_view w : words(*units)) {
@@ -233,7 +258,8 @@ class Header {
     m.linear = glm::dmat3(0);
     const auto signs = toLps();
     if (!directions_.empty()) {
-      for (std::size_t a = 0; a < axes_.size(); ++a) m.linear[static_cast<glm::length_t>(a)] = *directions_[axes_[a]] * *mm;
+      for (std::size_t a = 0; a < axes_.size(); ++a)
+        m.linear[static_cast<glm::length_t>(a)] = *directions_[axes_[a]] * *mm;
     } else if (auto r = readSpacings(m.linear); !r) {
       return r;
     }
@@ -248,7 +274,8 @@ class Header {
       for (int a = 0; a < 3; ++a) m.linear[a] *= *signs;
       m.translation *= *signs;
     } else {
-      findings.push_back(axesUnknown("The file names no space of a patient (LPS, RAS or LAS) with directions."));
+      findings.push_back(
+          axesUnknown("The file names no space of a patient (LPS, RAS or LAS) with directions."));
     }
     return settleAxes(p_.facts.info.grid);
   }
@@ -258,12 +285,16 @@ class Header {
     std::vector<double> s(sizes_.size(), 1.0);
     if (spacings) {
       const auto list = numbersIn<double>(*spacings);
-      if (!list || list->size() != sizes_.size()) return damaged("spacings does not hold one number per axis.");
+      if (!list || list->size() != sizes_.size())
+        return damaged("spacings does not hold one number per axis.");
       s = *list;
     } else {
-      p_.facts.info.findings.push_back({"spacing-assumed", Severity::Warning,
-                                        "The file states no distance between voxels; 1 mm is taken and lengths mean "
-                                        "nothing.", {}});
+      p_.facts.info.findings.push_back(
+          {"spacing-assumed",
+           Severity::Warning,
+           "The file states no distance between voxels; 1 mm is taken and lengths mean "
+           "nothing.",
+           {}});
     }
     for (std::size_t a = 0; a < axes_.size(); ++a)
       linear[static_cast<glm::length_t>(a)][static_cast<glm::length_t>(a)] = std::abs(s[axes_[a]]);
@@ -287,12 +318,13 @@ class Header {
 
   Result<void> readEncoding() {
     static const std::map<std::string_view, Packing> kEncodings{
-        {"raw", Packing::Raw},   {"gz", Packing::Gzip},     {"gzip", Packing::Gzip},  {"bz2", Packing::Bzip2},
+        {"raw", Packing::Raw},     {"gz", Packing::Gzip},  {"gzip", Packing::Gzip}, {"bz2", Packing::Bzip2},
         {"bzip2", Packing::Bzip2}, {"txt", Packing::Text}, {"text", Packing::Text}, {"ascii", Packing::Text}};
     const std::string* name = find({"encoding"});
     if (!name) return damaged("encoding is missing.");
     const auto it = kEncodings.find(lowerCase(*name));
-    if (it == kEncodings.end()) return notRead("This NRRD encoding is not read; raw, gzip, bzip2 and ascii are.");
+    if (it == kEncodings.end())
+      return notRead("This NRRD encoding is not read; raw, gzip, bzip2 and ascii are.");
     p_.place.packing = it->second;
     return {};
   }
@@ -305,7 +337,8 @@ class Header {
       return {};
     }
     if (data->starts_with("LIST") || data->find('%') != std::string::npos)
-      return notRead("NRRD files whose voxels stand in several files are not read; save the volume in one file.");
+      return notRead(
+          "NRRD files whose voxels stand in several files are not read; save the volume in one file.");
     auto beside = besideFile(file_, *data);
     if (!beside) return beside.error();
     p_.place.file = std::move(*beside);
@@ -313,7 +346,8 @@ class Header {
   }
 
   Result<void> readSkips() {
-    const auto skip = [&](std::initializer_list<const char*> names, std::int64_t least) -> Result<std::int64_t> {
+    const auto skip = [&](std::initializer_list<const char*> names,
+                          std::int64_t least) -> Result<std::int64_t> {
       const std::string* text = find(names);
       if (!text) return std::int64_t{0};
       const auto n = numberIn<std::int64_t>(*text);

@@ -30,8 +30,9 @@ void give(png_structp png, png_bytep to, std::size_t n) {
 }
 
 bool open(State& s) {
-  s.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, [](png_structp p, png_const_charp) { png_longjmp(p, 1); },
-                                 [](png_structp, png_const_charp) {});
+  s.png = png_create_read_struct(
+      PNG_LIBPNG_VER_STRING, nullptr, [](png_structp p, png_const_charp) { png_longjmp(p, 1); },
+      [](png_structp, png_const_charp) {});
   if (!s.png) return false;
   s.info = png_create_info_struct(s.png);
   if (!s.info) return false;
@@ -69,10 +70,12 @@ Result<PictureFacts> factsOf(const State& s) {
   f.rows = png_get_image_height(s.png, s.info);
   const int depth = png_get_bit_depth(s.png, s.info), colour = png_get_color_type(s.png, s.info);
   if (depth < 8 || colour == PNG_COLOR_TYPE_PALETTE)
-    return makeError(ErrorCode::NotBuiltYet,
-                     "PNG pictures with a palette or fewer than 8 bits are not read; save them as grey of 8 or 16 bits.");
+    return makeError(
+        ErrorCode::NotBuiltYet,
+        "PNG pictures with a palette or fewer than 8 bits are not read; save them as grey of 8 or 16 bits.");
   if (colour == PNG_COLOR_TYPE_GRAY_ALPHA)
-    return makeError(ErrorCode::NotBuiltYet, "PNG pictures of grey with alpha are not read; save them without alpha.");
+    return makeError(ErrorCode::NotBuiltYet,
+                     "PNG pictures of grey with alpha are not read; save them without alpha.");
   f.channels = colour == PNG_COLOR_TYPE_RGB ? 3 : colour == PNG_COLOR_TYPE_RGB_ALPHA ? 4 : 1;
   f.type = depth == 16 ? VoxelType::U16 : VoxelType::U8;
   return f;
@@ -96,7 +99,8 @@ Result<void> readPng(const InputFilePtr& file, const PictureFacts& facts, std::s
   const std::size_t rowBytes = out.size() / static_cast<std::size_t>(facts.rows);
   if (*now != facts || png_get_rowbytes(s.png, s.info) != rowBytes) return damaged();
   std::vector<png_bytep> rows(static_cast<std::size_t>(facts.rows));
-  for (std::size_t y = 0; y < rows.size(); ++y) rows[y] = reinterpret_cast<png_bytep>(out.data() + y * rowBytes);
+  for (std::size_t y = 0; y < rows.size(); ++y)
+    rows[y] = reinterpret_cast<png_bytep>(out.data() + y * rowBytes);
   if (!readRows(s, rows.data())) return damaged();
   return {};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The SGI image file format, version 1.00 (Paul Haeberli): big endian, channel by channel, rows from the bottom up;
-// verbatim or run-length coded.
+// The SGI image file format, version 1.00 (Paul Haeberli): big endian, channel by channel, rows from the
+// bottom up; verbatim or run-length coded.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -50,7 +50,8 @@ Result<Header> headerOf(const InputFile& file) {
   return h;
 }
 
-// One coded row: a count in the low 7 bits of each number, then that many values, or one value that many times.
+// One coded row: a count in the low 7 bits of each number, then that many values, or one value that many
+// times.
 bool expand(std::span<const std::byte> coded, std::size_t width, std::vector<std::byte>& row) {
   const std::size_t wanted = row.size() / width;
   std::size_t at = 0, done = 0;
@@ -75,7 +76,8 @@ class Rows {
 
   Result<void> begin() {
     if (!h_.runs) return {};
-    const std::size_t n = static_cast<std::size_t>(h_.facts.rows) * static_cast<std::size_t>(h_.facts.channels);
+    const std::size_t n =
+        static_cast<std::size_t>(h_.facts.rows) * static_cast<std::size_t>(h_.facts.channels);
     if (file_.size() < kHeaderBytes + 8 * n) return damaged();
     table_.resize(8 * n);
     if (!file_.read(kHeaderBytes, table_)) return damaged();
@@ -86,7 +88,8 @@ class Rows {
   Result<void> read(std::size_t y, std::size_t channel, std::vector<std::byte>& row) {
     const std::size_t n = channel * static_cast<std::size_t>(h_.facts.rows) + y;
     if (!h_.runs) return file_.read(kHeaderBytes + n * row.size(), row) ? Result<void>{} : damaged();
-    const std::uint64_t start = bigEndian(table_, 4 * n, 4), bytes = bigEndian(table_, table_.size() / 2 + 4 * n, 4);
+    const std::uint64_t start = bigEndian(table_, 4 * n, 4),
+                        bytes = bigEndian(table_, table_.size() / 2 + 4 * n, 4);
     if (bytes > file_.size() || bytes > 4 * row.size() + 16) return damaged();
     coded_.resize(static_cast<std::size_t>(bytes));
     if (!file_.read(start, coded_) || !expand(coded_, h_.bytesPerSample, row)) return damaged();
@@ -114,7 +117,8 @@ Result<void> readSgi(const InputFilePtr& file, const PictureFacts& facts, std::s
   Rows rows(*file, *h);
   if (auto r = rows.begin(); !r) return r;
   const std::size_t width = h->bytesPerSample, columns = static_cast<std::size_t>(facts.columns),
-                    height = static_cast<std::size_t>(facts.rows), channels = static_cast<std::size_t>(facts.channels);
+                    height = static_cast<std::size_t>(facts.rows),
+                    channels = static_cast<std::size_t>(facts.channels);
   std::vector<std::byte> row(columns * width);
   for (std::size_t c = 0; c < channels; ++c)
     for (std::size_t y = 0; y < height; ++y) {

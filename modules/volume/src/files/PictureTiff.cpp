@@ -22,7 +22,8 @@ struct Stream {
 tmsize_t give(thandle_t user, void* to, tmsize_t n) {
   Stream& s = *static_cast<Stream*>(user);
   const std::uint64_t left = s.file->size() - std::min(s.at, s.file->size());
-  const std::uint64_t now = std::min<std::uint64_t>(left, static_cast<std::uint64_t>(std::max<tmsize_t>(n, 0)));
+  const std::uint64_t now =
+      std::min<std::uint64_t>(left, static_cast<std::uint64_t>(std::max<tmsize_t>(n, 0)));
   if (!s.file->read(s.at, {static_cast<std::byte*>(to), static_cast<std::size_t>(now)})) return 0;
   s.at += now;
   return static_cast<tmsize_t>(now);
@@ -41,22 +42,24 @@ using Tiff = std::unique_ptr<TIFF, Close>;
 
 Tiff open(Stream& s) {
   const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(TIFFOpenOptionsAlloc(),
-                                                                                &TIFFOpenOptionsFree);
+                                                                                 &TIFFOpenOptionsFree);
   TIFFOpenOptionsSetMaxSingleMemAlloc(options.get(), kMostAllocation);
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), quiet, nullptr);
   TIFFOpenOptionsSetWarningHandlerExtR(options.get(), quiet, nullptr);
   return Tiff(TIFFClientOpenExt(
       "picture", "rm", &s, give, [](thandle_t, void*, tmsize_t) -> tmsize_t { return 0; }, seek,
-      [](thandle_t) { return 0; }, [](thandle_t user) -> toff_t { return static_cast<Stream*>(user)->file->size(); },
-      nullptr, nullptr, options.get()));
+      [](thandle_t) { return 0; },
+      [](thandle_t user) -> toff_t { return static_cast<Stream*>(user)->file->size(); }, nullptr, nullptr,
+      options.get()));
 }
 
 Error damaged() {
   return makeError(ErrorCode::FileDamaged, "The TIFF picture is damaged; fetch the file again.");
 }
 Error notRead(const char* what) {
-  return makeError(ErrorCode::NotBuiltYet, std::string("TIFF pictures ") + what +
-                                               " are not read; save them as grey of 8 or 16 bits, one picture per file.");
+  return makeError(ErrorCode::NotBuiltYet,
+                   std::string("TIFF pictures ") + what +
+                       " are not read; save them as grey of 8 or 16 bits, one picture per file.");
 }
 
 template <class T>
@@ -79,7 +82,8 @@ Result<VoxelType> typeOf(TIFF* t) {
 
 Result<PictureFacts> factsOf(TIFF* t) {
   PictureFacts f;
-  const auto columns = field<std::uint32_t>(t, TIFFTAG_IMAGEWIDTH, 0), rows = field<std::uint32_t>(t, TIFFTAG_IMAGELENGTH, 0);
+  const auto columns = field<std::uint32_t>(t, TIFFTAG_IMAGEWIDTH, 0),
+             rows = field<std::uint32_t>(t, TIFFTAG_IMAGELENGTH, 0);
   if (columns < 1 || rows < 1 || columns > kMostPixels || rows > kMostPixels) return damaged();
   f.columns = columns;
   f.rows = rows;
@@ -92,7 +96,8 @@ Result<PictureFacts> factsOf(TIFF* t) {
   const bool grey = photometric == PHOTOMETRIC_MINISBLACK || photometric == PHOTOMETRIC_MINISWHITE;
   if (!(grey && samples == 1) && !(photometric == PHOTOMETRIC_RGB && (samples == 3 || samples == 4)))
     return notRead("of this kind of colour");
-  if (samples > 1 && field<std::uint16_t>(t, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) != PLANARCONFIG_CONTIG)
+  if (samples > 1 &&
+      field<std::uint16_t>(t, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) != PLANARCONFIG_CONTIG)
     return notRead("whose colours stand in separate planes");
   f.channels = samples;
   f.whiteIsZero = photometric == PHOTOMETRIC_MINISWHITE;
@@ -105,10 +110,12 @@ Result<PictureFacts> factsOf(TIFF* t) {
 }
 
 Result<void> readTiles(TIFF* t, const PictureFacts& f, std::span<std::byte> out) {
-  const auto w = field<std::uint32_t>(t, TIFFTAG_TILEWIDTH, 0), h = field<std::uint32_t>(t, TIFFTAG_TILELENGTH, 0);
+  const auto w = field<std::uint32_t>(t, TIFFTAG_TILEWIDTH, 0),
+             h = field<std::uint32_t>(t, TIFFTAG_TILELENGTH, 0);
   const std::size_t pixel = bytesOf(f.type) * static_cast<std::size_t>(f.channels);
   const tmsize_t tileBytes = TIFFTileSize(t);
-  if (w < 1 || h < 1 || tileBytes < 1 || static_cast<std::uint64_t>(tileBytes) != std::uint64_t{w} * h * pixel || tileBytes > kMostAllocation)
+  if (w < 1 || h < 1 || tileBytes < 1 ||
+      static_cast<std::uint64_t>(tileBytes) != std::uint64_t{w} * h * pixel || tileBytes > kMostAllocation)
     return damaged();
   std::vector<std::byte> tile(static_cast<std::size_t>(tileBytes));
   const auto columns = static_cast<std::uint32_t>(f.columns), rows = static_cast<std::uint32_t>(f.rows);
@@ -117,7 +124,8 @@ Result<void> readTiles(TIFF* t, const PictureFacts& f, std::span<std::byte> out)
       if (TIFFReadTile(t, tile.data(), x, y, 0, 0) != tileBytes) return damaged();
       const std::size_t n = std::min(w, columns - x) * pixel;
       for (std::uint32_t r = 0; r < std::min(h, rows - y); ++r)
-        std::memcpy(out.data() + (std::size_t{y + r} * columns + x) * pixel, tile.data() + std::size_t{r} * w * pixel, n);
+        std::memcpy(out.data() + (std::size_t{y + r} * columns + x) * pixel,
+                    tile.data() + std::size_t{r} * w * pixel, n);
     }
   return {};
 }

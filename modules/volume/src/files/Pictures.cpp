@@ -23,7 +23,8 @@ PictureKind pictureKindOf(std::span<const std::byte> head) {
     return head.size() >= n && std::memcmp(head.data(), text, n) == 0;
   };
   if (begins("\x89PNG\r\n\x1a\n", 8)) return PictureKind::Png;
-  if (begins("II*\0", 4) || begins("MM\0*", 4) || begins("II+\0", 4) || begins("MM\0+", 4)) return PictureKind::Tiff;
+  if (begins("II*\0", 4) || begins("MM\0*", 4) || begins("II+\0", 4) || begins("MM\0+", 4))
+    return PictureKind::Tiff;
   if (begins("\x01\xda", 2) && head.size() > 3 && head[2] <= std::byte{1} &&
       (head[3] == std::byte{1} || head[3] == std::byte{2}))
     return PictureKind::Sgi;

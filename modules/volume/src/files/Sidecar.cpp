@@ -19,9 +19,9 @@ class Reader {
   Reader(const FileRecord& file, Json json) : file_(file), j_(std::move(json)) {}
 
   Result<ParsedVolume> parse() {
-    static const std::set<std::string> kKeys{"format", "data",      "encoding", "dims",      "type",
-                                             "byte_order", "spacing_mm", "origin_mm", "direction", "axes",
-                                             "unit",   "slope",     "intercept", "header_bytes", "modality", "no_data"};
+    static const std::set<std::string> kKeys{
+        "format",    "data", "encoding", "dims",  "type",      "byte_order",   "spacing_mm", "origin_mm",
+        "direction", "axes", "unit",     "slope", "intercept", "header_bytes", "modality",   "no_data"};
     for (const auto& [key, value] : j_.items())
       if (!kKeys.contains(key)) return bad(key, "is not a key of " + std::string(kSchema));
     p_.facts.format = "raw";
@@ -34,7 +34,8 @@ class Reader {
 
  private:
   Error bad(const std::string& key, const std::string& what) const {
-    return makeError(ErrorCode::FileDamaged, "/" + key + " " + what + " (docs/files.md has the keys).", file_.shown);
+    return makeError(ErrorCode::FileDamaged, "/" + key + " " + what + " (docs/files.md has the keys).",
+                     file_.shown);
   }
   // Finite numbers; `out` keeps its value when the key is absent.
   template <class T>
@@ -65,21 +66,24 @@ class Reader {
 
   Result<void> readValues() {
     static const std::map<std::string, FileType> kTypes{
-        {"uint8", FileType::U8},   {"int8", FileType::I8},   {"uint16", FileType::U16},   {"int16", FileType::I16},
-        {"uint32", FileType::U32}, {"int32", FileType::I32}, {"uint64", FileType::U64},   {"int64", FileType::I64},
-        {"float32", FileType::F32}, {"float64", FileType::F64}};
+        {"uint8", FileType::U8},   {"int8", FileType::I8},    {"uint16", FileType::U16},
+        {"int16", FileType::I16},  {"uint32", FileType::U32}, {"int32", FileType::I32},
+        {"uint64", FileType::U64}, {"int64", FileType::I64},  {"float32", FileType::F32},
+        {"float64", FileType::F64}};
     VolumeInfo& info = p_.facts.info;
     const auto type = text("type", ""), order = text("byte_order", ""), unit = text("unit", info.unit),
                modality = text("modality", "OT");
     for (const auto* t : {&type, &order, &unit, &modality})
       if (!*t) return t->error();
     const auto it = kTypes.find(*type);
-    if (it == kTypes.end()) return bad("type", "must be one of uint8 to uint64, int8 to int64, float32, float64");
+    if (it == kTypes.end())
+      return bad("type", "must be one of uint8 to uint64, int8 to int64, float32, float64");
     p_.place.type = it->second;
     p_.facts.storedType = *type;
     info.type = voxelTypeOf(it->second);
     const bool stated = *order == "little" || *order == "big";
-    if (!stated && (!order->empty() || bytesOf(it->second) > 1)) return bad("byte_order", "must be little or big");
+    if (!stated && (!order->empty() || bytesOf(it->second) > 1))
+      return bad("byte_order", "must be little or big");
     p_.place.bigEndian = *order == "big";
     info.unit = unit->empty() ? info.unit : *unit;
     info.modality = *modality;
@@ -87,7 +91,8 @@ class Reader {
     if (auto ok = number("slope", r.slope); !ok) return ok;
     if (auto ok = number("intercept", r.intercept); !ok) return ok;
     if (!std::isfinite(r.slope) || r.slope == 0 || !std::isfinite(r.intercept))
-      return makeError(ErrorCode::RescaleInvalid, "/slope must not be 0, and both it and /intercept finite.", file_.shown);
+      return makeError(ErrorCode::RescaleInvalid, "/slope must not be 0, and both it and /intercept finite.",
+                       file_.shown);
     return readNoData();
   }
 
@@ -129,7 +134,8 @@ class Reader {
     if (*axes == "RAS")
       g.patientFromVoxel = lpsFromRas(g.patientFromVoxel);
     else if (*axes == "unknown")
-      p_.facts.info.findings.push_back(axesUnknown("The file beside the voxels states no axes (LPS or RAS)."));
+      p_.facts.info.findings.push_back(
+          axesUnknown("The file beside the voxels states no axes (LPS or RAS)."));
     else if (*axes != "LPS")
       return bad("axes", "must be LPS, RAS or unknown");
     return settleAxes(g);
@@ -172,7 +178,8 @@ class Reader {
 };
 
 bool isVtkJs(std::string_view text) {
-  return text.find("\"vtkClass\"") != std::string_view::npos && text.find("\"vtkImageData\"") != std::string_view::npos;
+  return text.find("\"vtkClass\"") != std::string_view::npos &&
+         text.find("\"vtkImageData\"") != std::string_view::npos;
 }
 
 }  // namespace
@@ -185,17 +192,21 @@ bool looksLikeSidecar(std::string_view text) {
 
 Result<ParsedVolume> parseSidecar(const FileRecord& file, std::string_view text) {
   if (text.size() >= kMaxSidecarBytes)
-    return makeError(ErrorCode::LimitExceeded, "The JSON file is longer than 64 KiB, which no description of voxels is.");
+    return makeError(ErrorCode::LimitExceeded,
+                     "The JSON file is longer than 64 KiB, which no description of voxels is.");
   Json j = Json::parse(text, nullptr, false);
   if (j.is_discarded() || !j.is_object())
-    return makeError(ErrorCode::FileDamaged, "The file beside the voxels is not JSON that can be read.", file.shown);
+    return makeError(ErrorCode::FileDamaged, "The file beside the voxels is not JSON that can be read.",
+                     file.shown);
   const auto format = j.find("format");
   if (format != j.end() && *format == kSchema) return Reader(file, std::move(j)).parse();
   if (isVtkJs(text))
-    return makeError(ErrorCode::NotBuiltYet,
-                     "This is a data set of vtk.js, which is not read; its voxels are a raw file that a JSON file of "
-                     "schema vernier-raw/1 can describe (docs/files.md).");
-  return makeError(ErrorCode::NotBuiltYet, "Only schema vernier-raw/1 of such JSON files is read.", file.shown);
+    return makeError(
+        ErrorCode::NotBuiltYet,
+        "This is a data set of vtk.js, which is not read; its voxels are a raw file that a JSON file of "
+        "schema vernier-raw/1 can describe (docs/files.md).");
+  return makeError(ErrorCode::NotBuiltYet, "Only schema vernier-raw/1 of such JSON files is read.",
+                   file.shown);
 }
 
 }  // namespace vernier

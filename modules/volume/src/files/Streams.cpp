@@ -11,7 +11,8 @@ namespace vernier {
 namespace {
 
 constexpr std::size_t kPiece = std::size_t{1} << 20;
-// What may stand between the last voxel and the end of packed data and is still looked through for a checksum.
+// What may stand between the last voxel and the end of packed data and is still looked through for a
+// checksum.
 constexpr std::size_t kMostRest = std::size_t{16} << 20;
 
 class RawStream final : public ByteStream {
@@ -78,8 +79,9 @@ class GzipStream final : public ByteStream {
       const auto n = read(rest);
       if (!n) return n.error();
       if (*n == 0 && !memberEnded_)
-        return makeError(ErrorCode::FileDamaged,
-                         "The compressed data ends before its checksum; the file is cut short, fetch it again.");
+        return makeError(
+            ErrorCode::FileDamaged,
+            "The compressed data ends before its checksum; the file is cut short, fetch it again.");
       passed += *n;
     }
     return {};

@@ -6,15 +6,15 @@
 #include <cstring>
 #include <filesystem>
 
-#include "files/ImageList.h"
 #include "files/Affine.h"
+#include "files/ImageList.h"
 #include "files/LoadVoxels.h"
 #include "files/MetaHeader.h"
 #include "files/Nifti.h"
 #include "files/Nrrd.h"
 #include "files/Sidecar.h"
-#include "files/Vti.h"
 #include "files/TextParts.h"
+#include "files/Vti.h"
 #include "vernier/base/Checked.h"
 #include "vernier/base/Guarded.h"
 #include "vernier/base/Threads.h"
@@ -39,10 +39,11 @@ std::string titleOf(const FileRecord& file) {
 }
 
 Error formatUnknown(const FileRecord& file) {
-  return makeError(ErrorCode::FormatUnknown,
-                   "The file is neither DICOM nor of a volume format that is read (NIfTI, NRRD, MetaImage, VTK image, "
-                   "raw with a JSON file, list of images).",
-                   file.shown);
+  return makeError(
+      ErrorCode::FormatUnknown,
+      "The file is neither DICOM nor of a volume format that is read (NIfTI, NRRD, MetaImage, VTK image, "
+      "raw with a JSON file, list of images).",
+      file.shown);
 }
 
 // The file of a pair with the other extension: .hdr and .img, .hdr.gz and .img.gz, in the same case.
@@ -113,7 +114,8 @@ Result<ParsedVolume> parsePart(const FileRecord& file) {
   const std::string ending = lowerCase(fs::path(name).extension().string());
   std::vector<Result<FileRecord>> headers;
   if (ending == ".img") headers.push_back(otherOfPair(file, ".hdr", ".HDR"));
-  if (ending == ".raw" || ending == ".bin" || ending == ".dat") headers.push_back(besideFile(file, name + ".json"));
+  if (ending == ".raw" || ending == ".bin" || ending == ".dat")
+    headers.push_back(besideFile(file, name + ".json"));
   for (const auto& header : headers) {
     if (!header || header->bytes == 0) continue;
     auto whole = parseAny(*header);
@@ -134,13 +136,15 @@ Result<ParsedVolume> parse(const FileRecord& file) {
   return p;
 }
 
-Result<void> chooseFrame(ParsedVolume& p, const std::optional<std::int64_t>& frame, const std::string& where) {
+Result<void> chooseFrame(ParsedVolume& p, const std::optional<std::int64_t>& frame,
+                         const std::string& where) {
   const std::int64_t n = p.facts.frames;
   if (n == 1 && frame.value_or(0) == 0) return {};
   const std::string range = "0 to " + std::to_string(n - 1);
   if (!frame)
-    return makeError(ErrorCode::OptionInvalid,
-                     "The file holds " + std::to_string(n) + " volumes; choose one with --frame, " + range + ".", where);
+    return makeError(
+        ErrorCode::OptionInvalid,
+        "The file holds " + std::to_string(n) + " volumes; choose one with --frame, " + range + ".", where);
   if (*frame < 0 || *frame >= n)
     return makeError(ErrorCode::OptionInvalid,
                      "The file has frames " + range + ", got " + std::to_string(*frame) + ".", "--frame");
@@ -149,7 +153,8 @@ Result<void> chooseFrame(ParsedVolume& p, const std::optional<std::int64_t>& fra
                                     static_cast<std::uint64_t>(g.slices), bytesOf(p.place.type),
                                     static_cast<std::uint64_t>(*frame)});
   const auto total = skip ? checkedAdd(*skip, p.place.skip) : std::nullopt;
-  if (!total) return makeError(ErrorCode::LimitExceeded, "The header's sizes ask for more than 2^64 bytes.", where);
+  if (!total)
+    return makeError(ErrorCode::LimitExceeded, "The header's sizes ask for more than 2^64 bytes.", where);
   p.place.skip = *total;
   return {};
 }
@@ -157,8 +162,8 @@ Result<void> chooseFrame(ParsedVolume& p, const std::optional<std::int64_t>& fra
 Result<void> chooseSpan(ParsedVolume& p, const std::optional<double>& zSpan) {
   if (!zSpan) return {};
   if (p.facts.format != "image list")
-    return makeError(ErrorCode::OptionInvalid, "It is said of lists of images; other files state their own geometry.",
-                     "--z-span");
+    return makeError(ErrorCode::OptionInvalid,
+                     "It is said of lists of images; other files state their own geometry.", "--z-span");
   spanSlices(p.facts.info.grid, *zSpan);
   std::erase_if(p.facts.info.findings, [](const Finding& f) { return f.code == "spacing-assumed"; });
   return settleAxes(p.facts.info.grid);

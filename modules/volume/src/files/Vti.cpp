@@ -37,16 +37,17 @@ struct Document {
   std::string trouble;
 };
 
-// Walks the XML up to the data: an inline array ends the walk at its start tag, an appended one at AppendedData, behind
-// which no XML may follow.
+// Walks the XML up to the data: an inline array ends the walk at its start tag, an appended one at
+// AppendedData, behind which no XML may follow.
 class Walk {
  public:
   Walk() : parser_(XML_ParserCreate(nullptr), &XML_ParserFree) {
     XML_SetUserData(parser_.get(), this);
     XML_SetElementHandler(parser_.get(), &Walk::begin, &Walk::end);
-    XML_SetStartDoctypeDeclHandler(parser_.get(), [](void* self, const XML_Char*, const XML_Char*, const XML_Char*, int) {
-      static_cast<Walk*>(self)->stop("it declares a document type, which no VTK file does.");
-    });
+    XML_SetStartDoctypeDeclHandler(
+        parser_.get(), [](void* self, const XML_Char*, const XML_Char*, const XML_Char*, int) {
+          static_cast<Walk*>(self)->stop("it declares a document type, which no VTK file does.");
+        });
   }
 
   Result<Document> run(const InputFilePtr& input) {
@@ -55,11 +56,13 @@ class Walk {
     for (XML_Index fed = 0; !stopped_;) {
       const auto n = stream->read(piece);
       if (!n) return n.error();
-      const auto state = XML_Parse(parser_.get(), reinterpret_cast<const char*>(piece.data()), static_cast<int>(*n), *n == 0);
+      const auto state = XML_Parse(parser_.get(), reinterpret_cast<const char*>(piece.data()),
+                                   static_cast<int>(*n), *n == 0);
       if (stopped_) break;
       if (state != XML_STATUS_OK) return damaged("its XML is not well formed.");
       fed += static_cast<XML_Index>(*n);
-      if (fed - XML_GetCurrentByteIndex(parser_.get()) > kLongestTag) return damaged("a tag of its XML is too long.");
+      if (fed - XML_GetCurrentByteIndex(parser_.get()) > kLongestTag)
+        return damaged("a tag of its XML is too long.");
       if (*n == 0) break;
     }
     if (!d_.trouble.empty()) return damaged(d_.trouble);
@@ -158,8 +161,7 @@ class Image {
     if (!whole) return damaged("WholeExtent is not six numbers.");
     const auto piece = numbers<std::int64_t, 6>(d_.piece, "Extent");
     if (!piece) return damaged("there is no Piece with an Extent of six numbers.");
-    if (*piece != *whole)
-      return notRead("The VTK image is divided into pieces; save it as one piece.");
+    if (*piece != *whole) return notRead("The VTK image is divided into pieces; save it as one piece.");
     extent_ = *whole;
     constexpr std::int64_t kFar = std::int64_t{1} << 40;
     for (std::size_t a = 0; a < 3; ++a)
@@ -170,12 +172,14 @@ class Image {
 
   // Point data stand at the lattice points, cell data in the middle between them.
   Result<void> readGeometry() {
-    const auto origin = d_.image.contains("Origin") ? numbers<double, 3>(d_.image, "Origin") : std::array<double, 3>{};
+    const auto origin =
+        d_.image.contains("Origin") ? numbers<double, 3>(d_.image, "Origin") : std::array<double, 3>{};
     const auto spacing = d_.image.contains("Spacing") ? numbers<double, 3>(d_.image, "Spacing")
                                                       : std::array<double, 3>{1, 1, 1};
     const auto direction = d_.image.contains("Direction") ? numbers<double, 9>(d_.image, "Direction")
                                                           : std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1};
-    if (!origin || !spacing || !direction) return damaged("Origin, Spacing or Direction is not what it should be.");
+    if (!origin || !spacing || !direction)
+      return damaged("Origin, Spacing or Direction is not what it should be.");
     GridGeometry& g = p_.facts.info.grid;
     glm::dvec3 first(0);
     std::array<std::int64_t, 3> size{};
@@ -200,14 +204,18 @@ class Image {
   Result<void> readType() {
     if (!d_.hasArray) return damaged("it has no data array.");
     static const std::map<std::string_view, FileType> kTypes{
-        {"Int8", FileType::I8},     {"UInt8", FileType::U8},     {"Int16", FileType::I16},   {"UInt16", FileType::U16},
-        {"Int32", FileType::I32},   {"UInt32", FileType::U32},   {"Int64", FileType::I64},   {"UInt64", FileType::U64},
-        {"Float32", FileType::F32}, {"Float64", FileType::F64}};
+        {"Int8", FileType::I8},    {"UInt8", FileType::U8},   {"Int16", FileType::I16},
+        {"UInt16", FileType::U16}, {"Int32", FileType::I32},  {"UInt32", FileType::U32},
+        {"Int64", FileType::I64},  {"UInt64", FileType::U64}, {"Float32", FileType::F32},
+        {"Float64", FileType::F64}};
     const auto it = kTypes.find(d_.array["type"]);
-    if (it == kTypes.end()) return notRead("This type of VTK data array is not read; convert it to integers or floats.");
-    const std::string components = d_.array.contains("NumberOfComponents") ? d_.array["NumberOfComponents"] : "1";
+    if (it == kTypes.end())
+      return notRead("This type of VTK data array is not read; convert it to integers or floats.");
+    const std::string components =
+        d_.array.contains("NumberOfComponents") ? d_.array["NumberOfComponents"] : "1";
     if (components != "1")
-      return notRead("The VTK image has several values per voxel (colour or vectors); one value per voxel is read.");
+      return notRead(
+          "The VTK image has several values per voxel (colour or vectors); one value per voxel is read.");
     p_.place.type = it->second;
     p_.facts.storedType = nameOf(it->second);
     p_.facts.info.type = voxelTypeOf(it->second);
@@ -216,8 +224,9 @@ class Image {
 
   Result<void> readPlace() {
     const GridGeometry& g = p_.facts.info.grid;
-    const auto bytes = checkedProduct({static_cast<std::uint64_t>(g.columns), static_cast<std::uint64_t>(g.rows),
-                                       static_cast<std::uint64_t>(g.slices), bytesOf(p_.place.type)});
+    const auto bytes =
+        checkedProduct({static_cast<std::uint64_t>(g.columns), static_cast<std::uint64_t>(g.rows),
+                        static_cast<std::uint64_t>(g.slices), bytesOf(p_.place.type)});
     if (!bytes) return makeError(ErrorCode::LimitExceeded, "The extent asks for more than 2^64 bytes.");
     VtkArray array;
     array.bytes = *bytes;
@@ -229,13 +238,15 @@ class Image {
     p_.place.packing = Packing::Other;
     p_.place.offset = array.offset;
     p_.place.open = [array](const InputFilePtr& file) { return vtkStream(file, array); };
-    const std::uint64_t left = std::min(input_->size() - std::min(array.offset, input_->size()), std::uint64_t{1} << 46);
+    const std::uint64_t left =
+        std::min(input_->size() - std::min(array.offset, input_->size()), std::uint64_t{1} << 46);
     p_.place.mostBytes = array.compressed ? left * 1032 : left;
     return {};
   }
 
   Result<void> readCoding(VtkArray& array) {
-    const std::string format = d_.array["format"], compressor = d_.file["compressor"], words = d_.file["header_type"];
+    const std::string format = d_.array["format"], compressor = d_.file["compressor"],
+                      words = d_.file["header_type"];
     if (format == "ascii") {
       p_.place.packing = Packing::Text;
       p_.place.offset = static_cast<std::uint64_t>(d_.inlineAt);
@@ -255,7 +266,8 @@ class Image {
     if (format != "appended") return damaged("the data array has no format that is known.");
     if (!d_.hasAppended) return damaged("the appended data are missing.");
     array.base64 = d_.appended["encoding"] == "base64";
-    if (!array.base64 && d_.appended["encoding"] != "raw") return damaged("the encoding of the appended data is not known.");
+    if (!array.base64 && d_.appended["encoding"] != "raw")
+      return damaged("the encoding of the appended data is not known.");
     const auto offset = numberIn<std::uint64_t>(d_.array["offset"]);
     const auto start = underscore();
     const auto at = offset && start ? checkedAdd(*offset, *start) : std::nullopt;
@@ -286,7 +298,8 @@ class Image {
 bool looksLikeVti(std::string_view text) {
   const std::string_view head = text.substr(0, 4096);
   const std::size_t first = head.find_first_not_of(" \t\r\n\xef\xbb\xbf");
-  return first != std::string_view::npos && head[first] == '<' && head.find("<VTKFile") != std::string_view::npos;
+  return first != std::string_view::npos && head[first] == '<' &&
+         head.find("<VTKFile") != std::string_view::npos;
 }
 
 Result<ParsedVolume> parseVti(const FileRecord& file, const InputFilePtr& input) {

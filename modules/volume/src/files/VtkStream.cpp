@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The binary form of VTK's XML files: [bytes][data], or with a compressor [blocks][block bytes][last block bytes]
-// [packed bytes of each block][packed blocks]; either as it is or in base64 (where the header is padded for itself).
+// The binary form of VTK's XML files: [bytes][data], or with a compressor [blocks][block bytes][last block
+// bytes] [packed bytes of each block][packed blocks]; either as it is or in base64 (where the header is
+// padded for itself).
 #include <zlib.h>
 
 #include <algorithm>
@@ -16,7 +17,8 @@ Error damaged(const char* what) {
   return makeError(ErrorCode::FileDamaged, std::string("The VTK data array is damaged: ") + what + ".");
 }
 
-// Groups of four characters; a padded group ends a run, and another may follow. Ends at "<" or the end of the file.
+// Groups of four characters; a padded group ends a run, and another may follow. Ends at "<" or the end of the
+// file.
 class Base64Stream final : public ByteStream {
  public:
   Base64Stream(InputFilePtr file, std::uint64_t offset) : text_(rawStream(std::move(file), offset)) {}
@@ -71,7 +73,8 @@ class Base64Stream final : public ByteStream {
     }
     if (real < 2) return damaged("a group of base64 is too short");
     const unsigned bits = static_cast<unsigned>(v[0] << 18 | v[1] << 12 | v[2] << 6 | v[3]);
-    out_ = {static_cast<std::byte>(bits >> 16), static_cast<std::byte>(bits >> 8), static_cast<std::byte>(bits)};
+    out_ = {static_cast<std::byte>(bits >> 16), static_cast<std::byte>(bits >> 8),
+            static_cast<std::byte>(bits)};
     at_ = 0;
     have_ = real - 1;
     return true;
@@ -98,7 +101,8 @@ class VtkStream final : public ByteStream {
       if (auto r = readHeader(); !r) return r.error();
     }
     if (!array_.compressed) {
-      const std::size_t n = static_cast<std::size_t>(std::min<std::uint64_t>(to.size(), array_.bytes - done_));
+      const std::size_t n =
+          static_cast<std::size_t>(std::min<std::uint64_t>(to.size(), array_.bytes - done_));
       const auto got = bytes_->read(to.first(n));
       if (got) done_ += *got;
       return got;
@@ -108,7 +112,8 @@ class VtkStream final : public ByteStream {
       if (blockAt_ == block_.size())
         if (auto r = nextBlock(); !r) return r.error();
       const std::size_t n = std::min(to.size() - done, block_.size() - blockAt_);
-      std::copy_n(block_.begin() + static_cast<std::ptrdiff_t>(blockAt_), n, to.begin() + static_cast<std::ptrdiff_t>(done));
+      std::copy_n(block_.begin() + static_cast<std::ptrdiff_t>(blockAt_), n,
+                  to.begin() + static_cast<std::ptrdiff_t>(done));
       done += n;
       blockAt_ += n;
       done_ += n;
@@ -132,15 +137,16 @@ class VtkStream final : public ByteStream {
     if (!array_.compressed) {
       // A header of 32 bits counts modulo 2^32.
       const std::uint64_t mask = array_.wordBytes == 4 ? 0xffffffffu : ~std::uint64_t{0};
-      if (*first != (array_.bytes & mask)) return damaged("it does not have the bytes that its extent asks for");
+      if (*first != (array_.bytes & mask))
+        return damaged("it does not have the bytes that its extent asks for");
       return {};
     }
     const auto full = word(), last = word();
     if (!full) return full.error();
     if (!last) return last.error();
     const std::uint64_t blocks = *first;
-    if (blocks < 1 || blocks > fileBytes_ / array_.wordBytes || *full < 1 || *full > array_.bytes + (1 << 20) ||
-        *last > *full)
+    if (blocks < 1 || blocks > fileBytes_ / array_.wordBytes || *full < 1 ||
+        *full > array_.bytes + (1 << 20) || *last > *full)
       return damaged("the sizes of its blocks cannot be");
     blockBytes_ = *full;
     const std::uint64_t tail = *last == 0 ? *full : *last;

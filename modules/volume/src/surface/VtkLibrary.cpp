@@ -64,7 +64,8 @@ bool receive(int fd, T* data, std::size_t count) {
 // What crosses the pipe, in both directions alike: counts, then the arrays.
 template <class Move, class Data>
 bool exchange(Move&& move, Data& d) {
-  std::uint64_t counts[5] = {d.error.size(), d.xyz.size(), d.corners.size(), d.polygonEnds.size(), d.stripEnds.size()};
+  std::uint64_t counts[5] = {d.error.size(), d.xyz.size(), d.corners.size(), d.polygonEnds.size(),
+                             d.stripEnds.size()};
   if (!move(counts, 5)) return false;
   d.error.resize(counts[0]), d.xyz.resize(counts[1]), d.corners.resize(counts[2]);
   d.polygonEnds.resize(counts[3]), d.stripEnds.resize(counts[4]);
@@ -86,8 +87,8 @@ bool exchange(Move&& move, Data& d) {
 
 }  // namespace
 
-// VTK 9.1's reader runs past its arrays on files that are damaged in the right places, so it works in a child process:
-// whatever happens there is a sentence here.
+// VTK 9.1's reader runs past its arrays on files that are damaged in the right places, so it works in a child
+// process: whatever happens there is a sentence here.
 Result<VtkPolyData> readVtpBytes(std::string_view bytes) {
   VtkReadFn* const read = reader();
   if (!read)
@@ -109,7 +110,8 @@ Result<VtkPolyData> readVtpBytes(std::string_view bytes) {
   ::close(from);
   int status = 0;
   if (child > 0)
-    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {}
+    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
   if (!whole || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
     return makeError(ErrorCode::FileDamaged, "VTK cannot read the file; it is cut short or damaged.");
   return out;

@@ -19,8 +19,8 @@ struct VtkPolyData {
   std::vector<std::uint64_t> polygonEnds, stripEnds;  // offsets into corners; the polygons come first
 };
 
-// XML PolyData, from memory, read in a process of its own (VtkLibrary.cpp says why). FormatUnknown where VTK's
-// libraries are not installed. May throw std::bad_alloc.
+// XML PolyData, from memory, read in a process of its own (VtkLibrary.cpp says why). FormatUnknown where
+// VTK's libraries are not installed. May throw std::bad_alloc.
 Result<VtkPolyData> readVtpBytes(std::string_view bytes);
 
 extern "C" using VtkReadFn = void(const char* bytes, std::size_t count, VtkPolyData* out);

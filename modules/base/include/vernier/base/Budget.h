@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// MemoryBudget: bytes that the session may hold in host memory (default: half of what is free). Thread-safe. A
-// reservation is released when its handle goes.
+// MemoryBudget: bytes that the session may hold in host memory (default: half of what is free). Thread-safe.
+// A reservation is released when its handle goes.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -31,7 +31,8 @@ class VERNIER_API MemoryBudget {
     std::uint64_t bytes_ = 0;
   };
 
-  // OutOfMemory with the numbers (asked, used, limit) when it does not fit. A reservation may outlive its budget.
+  // OutOfMemory with the numbers (asked, used, limit) when it does not fit. A reservation may outlive its
+  // budget.
   Result<Reservation> reserve(std::uint64_t bytes, const std::string& what);
   std::uint64_t used() const { return used_->load(); }
   std::uint64_t limit() const { return limit_; }

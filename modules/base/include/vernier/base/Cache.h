@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// DerivedCache: the one home of derived data (bricks, histograms, meshes...), keyed by kind, revision of its source and
-// parameters; least recently used entries go when the byte limit is passed. Values are shared and immutable: an entry
-// that was evicted lives on while somebody holds it. Thread-safe; `make` runs outside the lock, so two threads may make
-// the same thing at once and the first one stays.
+// DerivedCache: the one home of derived data (bricks, histograms, meshes...), keyed by kind, revision of its
+// source and parameters; least recently used entries go when the byte limit is passed. Values are shared and
+// immutable: an entry that was evicted lives on while somebody holds it. Thread-safe; `make` runs outside the
+// lock, so two threads may make the same thing at once and the first one stays.
 #pragma once
 #include <any>
 #include <cstdint>

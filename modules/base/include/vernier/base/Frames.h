@@ -6,7 +6,8 @@
 //   View     mm, x to the right of the picture, y up, z towards the viewer
 //   Clip     OpenGL's
 //   Pixel    centres at half-integers, row 0 on top
-// Transforms are named target first, so that products read right: patientFromVoxel = patientFromX * xFromVoxel.
+// Transforms are named target first, so that products read right: patientFromVoxel = patientFromX *
+// xFromVoxel.
 #pragma once
 #include <glm/glm.hpp>
 
@@ -32,10 +33,22 @@ struct Vec {
   friend Vec operator*(Vec a, double s) { return Vec(s * a.v); }
   friend bool operator==(const Vec&, const Vec&) = default;
 };
-template <class F> double dot(Vec<F> a, Vec<F> b) { return glm::dot(a.v, b.v); }
-template <class F> Vec<F> cross(Vec<F> a, Vec<F> b) { return Vec<F>(glm::cross(a.v, b.v)); }
-template <class F> double length(Vec<F> a) { return glm::length(a.v); }
-template <class F> Vec<F> normalize(Vec<F> a) { return Vec<F>(glm::normalize(a.v)); }
+template <class F>
+double dot(Vec<F> a, Vec<F> b) {
+  return glm::dot(a.v, b.v);
+}
+template <class F>
+Vec<F> cross(Vec<F> a, Vec<F> b) {
+  return Vec<F>(glm::cross(a.v, b.v));
+}
+template <class F>
+double length(Vec<F> a) {
+  return glm::length(a.v);
+}
+template <class F>
+Vec<F> normalize(Vec<F> a) {
+  return Vec<F>(glm::normalize(a.v));
+}
 
 template <class Frame>
 struct Point {

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where the voxels of a stack lie in the patient. Shared by study (which fits it), volume and everything that samples.
+// Where the voxels of a stack lie in the patient. Shared by study (which fits it), volume and everything that
+// samples.
 //
-// patientFromVoxel maps Voxel (column i, row j, slice k; centres at integers) to Patient mm; it may be oblique, sheared
-// (gantry tilt) and left-handed. When the slices don't lie on that even lattice, sliceOrigin_vox holds the true origin
-// of each slice in the Voxel frame of that map: slice s covers points (i + origin.x, j + origin.y, origin.z), with
-// origin.z strictly ascending and origin.z == s on an even lattice. Between two slices the value is interpolated
-// linearly in k, each slice being sampled at (i - origin.x, j - origin.y).
-// gapAfter lists slices s after which slices are missing: between s and s + 1 nothing is interpolated; a slice is held
-// for half a step (0.5 in k) on the side of a gap or at the stack's ends, beyond is no-data. In the plane of a slice
-// the border is half a voxel, likewise held.
+// patientFromVoxel maps Voxel (column i, row j, slice k; centres at integers) to Patient mm; it may be
+// oblique, sheared (gantry tilt) and left-handed. When the slices don't lie on that even lattice,
+// sliceOrigin_vox holds the true origin of each slice in the Voxel frame of that map: slice s covers points
+// (i + origin.x, j + origin.y, origin.z), with origin.z strictly ascending and origin.z == s on an even
+// lattice. Between two slices the value is interpolated linearly in k, each slice being sampled at (i -
+// origin.x, j - origin.y). gapAfter lists slices s after which slices are missing: between s and s + 1
+// nothing is interpolated; a slice is held for half a step (0.5 in k) on the side of a gap or at the stack's
+// ends, beyond is no-data. In the plane of a slice the border is half a voxel, likewise held.
 #pragma once
 #include <cmath>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// guarded(where, fn): runs fn and turns an escaping exception into an Error (std::bad_alloc -> OutOfMemory, anything
-// else -> Internal with the exception's text). Stands at every border with a library or a plugin.
+// guarded(where, fn): runs fn and turns an escaping exception into an Error (std::bad_alloc -> OutOfMemory,
+// anything else -> Internal with the exception's text). Stands at every border with a library or a plugin.
 #pragma once
 #include <exception>
 #include <new>

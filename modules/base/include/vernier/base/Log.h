@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The log names tags, counts and codes, never values, file names or paths of patients. It goes to stderr and is
-// silent below `warning` unless VERNIER_LOG=info|debug.
+// The log names tags, counts and codes, never values, file names or paths of patients. It goes to stderr and
+// is silent below `warning` unless VERNIER_LOG=info|debug.
 #pragma once
 #include <string_view>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Progress of one piece of work. Called from worker threads, one call at a time; done <= total, total may grow.
+// Progress of one piece of work. Called from worker threads, one call at a time; done <= total, total may
+// grow.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The one random generator: counter-based (a 64-bit mix of seed and counter), so that draw n is the same whatever the
-// thread or order. Stateless and thread-safe.
+// The one random generator: counter-based (a 64-bit mix of seed and counter), so that draw n is the same
+// whatever the thread or order. Stateless and thread-safe.
 #pragma once
 #include <cstdint>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Result<T>: a value or an Error. Data, file, plugin, shader and device failures travel as values; caller bugs hit
-// VERNIER_ASSERT. No exception crosses a plugin entry or a GL callback: see Guarded.h.
+// Result<T>: a value or an Error. Data, file, plugin, shader and device failures travel as values; caller
+// bugs hit VERNIER_ASSERT. No exception crosses a plugin entry or a GL callback: see Guarded.h.
 #pragma once
 #include <cstdlib>
 #include <string>
@@ -25,8 +25,9 @@ VERNIER_API ErrorClass errorClass(ErrorCode);
 VERNIER_API int exitCode(ErrorCode);
 VERNIER_API std::string_view generalSentence(ErrorCode);
 
-// sentence: what happened, what was expected and got, and the next step; one sentence or two short ones, never with a
-// patient's value in it. where: a file name as the user gave it, a tag, a JSON path or a function; may be empty.
+// sentence: what happened, what was expected and got, and the next step; one sentence or two short ones,
+// never with a patient's value in it. where: a file name as the user gave it, a tag, a JSON path or a
+// function; may be empty.
 struct Error {
   ErrorCode code = ErrorCode::Internal;
   std::string sentence;
@@ -48,15 +49,27 @@ class [[nodiscard]] Result {
   Result(Error error) : v_(std::in_place_index<1>, std::move(error)) {}  // NOLINT
   bool ok() const { return v_.index() == 0; }
   explicit operator bool() const { return ok(); }
-  T& value() & { VERNIER_ASSERT(ok()); return std::get<0>(v_); }
-  const T& value() const& { VERNIER_ASSERT(ok()); return std::get<0>(v_); }
-  T&& value() && { VERNIER_ASSERT(ok()); return std::get<0>(std::move(v_)); }
+  T& value() & {
+    VERNIER_ASSERT(ok());
+    return std::get<0>(v_);
+  }
+  const T& value() const& {
+    VERNIER_ASSERT(ok());
+    return std::get<0>(v_);
+  }
+  T&& value() && {
+    VERNIER_ASSERT(ok());
+    return std::get<0>(std::move(v_));
+  }
   T& operator*() & { return value(); }
   const T& operator*() const& { return value(); }
   T&& operator*() && { return std::move(*this).value(); }
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
-  const Error& error() const { VERNIER_ASSERT(!ok()); return std::get<1>(v_); }
+  const Error& error() const {
+    VERNIER_ASSERT(!ok());
+    return std::get<1>(v_);
+  }
 
  private:
   std::variant<T, Error> v_;
@@ -69,7 +82,10 @@ class [[nodiscard]] Result<void> {
   Result(Error error) : error_(std::move(error)), ok_(false) {}  // NOLINT(google-explicit-constructor)
   bool ok() const { return ok_; }
   explicit operator bool() const { return ok_; }
-  const Error& error() const { VERNIER_ASSERT(!ok_); return error_; }
+  const Error& error() const {
+    VERNIER_ASSERT(!ok_);
+    return error_;
+  }
 
  private:
   Error error_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Spans in Chrome's trace format (--trace FILE). Off until traceStart(); then a TraceSpan costs two clock reads and
-// one locked append. Thread-safe.
+// Spans in Chrome's trace format (--trace FILE). Off until traceStart(); then a TraceSpan costs two clock
+// reads and one locked append. Thread-safe.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Angles as types, so that degrees never meet radians by accident. Other numbers carry a suffix in their name:
-// _mm _val (modality value) _hu _ms _px _deg.
+// Angles as types, so that degrees never meet radians by accident. Other numbers carry a suffix in their
+// name: _mm _val (modality value) _hu _ms _px _deg.
 #pragma once
 #include <numbers>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Curved planar reformats on the CPU: every column of pixels is a straight line in the patient and is drawn by
-// the kernels of Slice.h, so their accuracy, no-data rules and interpolations hold here too.
+// Curved planar reformats on the CPU: every column of pixels is a straight line in the patient and is drawn
+// by the kernels of Slice.h, so their accuracy, no-data rules and interpolations hold here too.
 //
 // Frames: columns and rows of the picture by CurvedPicture. Threads: groups of columns by parallelFor; a
 // column depends on itself alone, so the picture is bit-equal for any number of threads. The stop token is

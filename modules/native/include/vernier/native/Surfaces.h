@@ -13,13 +13,12 @@
 // Spread over tiles with parallelFor: the same bits for any number of threads. Checks the stop token per tile
 // (Cancelled). OutOfMemory by guarded() callers.
 #pragma once
-#include <memory>
 #include <stop_token>
 #include <vector>
 
 #include "vernier/plan/CameraPicture.h"
 #include "vernier/plan/Frame.h"
-#include "vernier/volume/Mesh.h"
+#include "vernier/plan/Technique.h"
 
 namespace vernier::native {
 
@@ -27,13 +26,6 @@ inline constexpr double kAmbient = 0.2, kDiffuse = 0.8;
 inline constexpr double kSamePlace = 1e-9;  // of the distance from the eye
 // Translucent hits that a ray is given one by one; those behind them are joined to one (SurfaceHits::Tail).
 inline constexpr std::size_t kSurfaceLayers = 8;
-
-struct PlacedSurface {
-  std::shared_ptr<const Mesh> mesh;
-  PatientFromMesh pose;
-  glm::dvec3 colour{1};  // display-referred 0..1
-  double opacity = 1;
-};
 
 struct SurfaceJob {
   std::vector<PlacedSurface> surfaces;

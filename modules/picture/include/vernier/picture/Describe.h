@@ -20,8 +20,8 @@ inline constexpr double kCoarseStep_mm = 4.0;
 // `window` is the one in use.
 VERNIER_API Annotations describeSlice(const SliceLayer&, const SlicePicture&, const VolumeInfo&,
                                       const VoiWindow& window);
-// "curved MPR, straightened"; letters only where they hold for the whole picture. The plan's notes say where a
-// sheet overlaps itself.
+// "curved MPR, straightened"; letters only where they hold for the whole picture. The plan's notes say where
+// a sheet overlaps itself.
 VERNIER_API Annotations describeCurved(const CurvedLayer&, const CurvedPicture&, const VolumeInfo&,
                                        const VoiWindow& window);
 VERNIER_API Annotations describeImage(const ImageLayer&, const ImagePicture&, const ImageFrameInfo&,

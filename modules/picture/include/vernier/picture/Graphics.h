@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The drawings of a presentation state (PS3.3 C.10.5): lines, circles, ellipses and texts, in the layer of the
-// letters, drawn on 8-bit pixels after the error was taken. Plain data in picture coordinates, so that a window can
-// draw the same. Pure functions, safe on any thread.
+// The drawings of a presentation state (PS3.3 C.10.5): lines, circles, ellipses and texts, in the layer of
+// the letters, drawn on 8-bit pixels after the error was taken. Plain data in picture coordinates, so that a
+// window can draw the same. Pure functions, safe on any thread.
 #pragma once
 #include <string>
 #include <vector>
@@ -18,7 +18,7 @@ struct DrawnLine {
   double grey = 1;
 };
 struct DrawnText {
-  std::string text;  // UTF-8, lines divided by \n
+  std::string text;         // UTF-8, lines divided by \n
   glm::dvec2 corner_px{0};  // its top left
   bool atAnchor = false;    // the corner is a point that the text stands beside
   double grey = 1;

@@ -16,7 +16,7 @@ struct Counters {
   std::uint64_t samples = 0;  // interpolated reads of the volume
   std::uint64_t cells = 0;
   std::uint64_t triangles = 0;
-  std::uint64_t passes = 0;       // of the plan that were drawn; counted by whoever executes it
+  std::uint64_t passes = 0;         // of the plan that were drawn; counted by whoever executes it
   std::uint64_t bytesUploaded = 0;  // to GL textures and buffers
   std::uint64_t texturesCreated = 0;
   std::uint64_t textures3dCreated = 0;

@@ -32,9 +32,9 @@ struct LinkedPlanes {
 };
 VERNIER_API LinkedPlanes linkedPlanes(const GridGeometry&, PatientPoint crosshair);
 
-// The line in which `other` (taken as unbounded) cuts the plane of a picture, as its two ends in pixels on the
-// picture's border, the left one first (of a vertical line: the upper one). nullopt: the planes are parallel
-// within 1e-6 rad, the line misses the picture or only touches a corner, or a plane is degenerate.
+// The line in which `other` (taken as unbounded) cuts the plane of a picture, as its two ends in pixels on
+// the picture's border, the left one first (of a vertical line: the upper one). nullopt: the planes are
+// parallel within 1e-6 rad, the line misses the picture or only touches a corner, or a plane is degenerate.
 VERNIER_API std::optional<std::array<glm::dvec2, 2>> referenceLine(const SlicePicture&, const View&,
                                                                    const Plane& other);
 

@@ -39,13 +39,13 @@ VERNIER_API glm::dvec2 pixelAt(const SlicePicture&, PatientPoint);
 // frame, with its half-pixel border, just fits into the picture, or camera.height_mm is the picture's height
 // where the spacing is known. pan_mm counts in mm, or in columns of the frame where the spacing is unknown.
 // A presentation state turns and flips the frame first, and its displayed area takes the place of the frame.
-// frame column = (x - x0) / pxPerColumn - 0.5, frame row = (y - y0) / pxPerRow - 0.5; with `transposed` (turned by
-// 90 or 270 degrees) the other way round: columns run along y and rows along x.
+// frame column = (x - x0) / pxPerColumn - 0.5, frame row = (y - y0) / pxPerRow - 0.5; with `transposed`
+// (turned by 90 or 270 degrees) the other way round: columns run along y and rows along x.
 struct ImagePicture {
   double x0 = 0, y0 = 0;  // picture coordinate of the frame's first corner (column -0.5, row -0.5)
   double pxPerColumn = 1, pxPerRow = 1;  // negative when flipped
   bool transposed = false;
-  double mmPerPixel = 0;                 // 0: unknown
+  double mmPerPixel = 0;  // 0: unknown
 };
 VERNIER_API ImagePicture imagePicture(const ImageLayer&, const Camera&, const View&, const ImageFrameInfo&,
                                       const FramePresentation* = nullptr);

@@ -51,9 +51,9 @@ struct Rejected {
 struct Plan {
   std::vector<Pass> passes;
   std::vector<Rejected> rejected;
-  std::vector<std::string> notes;  // "layer 1 (shells) needs plugin angiography: not shown"
+  std::vector<std::string> notes;       // "layer 1 (shells) needs plugin angiography: not shown"
   std::vector<std::string> afterwards;  // what is drawn over the picture when its error has been taken
-  bool showsWholeScene = true;     // false when a layer is kept but cannot be shown
+  bool showsWholeScene = true;          // false when a layer is kept but cannot be shown
 };
 
 // Stable text: the same plan gives the same bytes on every machine. Predictions are rounded (ms to 3 digits,

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// View names that expand to a Scene: stack axial coronal sagittal oblique slab curved. Conventions (DICOM LPS):
-// axial is seen from the feet (patient right on screen left, anterior up), coronal from the front, sagittal
-// from the patient's left (anterior on screen left), H up. They mean the patient's planes, whatever the
-// acquisition's were, and show the whole box of the volume (the fit of PictureGeometry.h). oblique has the
-// axes right and up of the 3-D camera at azimuth 30, elevation 20 and shows a square whose side is the
+// View names that expand to a Scene: stack axial coronal sagittal oblique slab curved, and through the volume
+// mip minip sum mean attenuation shells shells-sum shells-lit. Conventions (DICOM
+// LPS): axial is seen from the feet (patient right on screen left, anterior up), coronal from the front,
+// sagittal from the patient's left (anterior on screen left), H up. They mean the patient's planes, whatever
+// the acquisition's were, and show the whole box of the volume (the fit of PictureGeometry.h). oblique has
+// the axes right and up of the 3-D camera at azimuth 30, elevation 20 and shows a square whose side is the
 // longest edge of the box of voxel centres (as the peer programs do); slab is oblique, 10 mm thick, maximum.
 //
 // Slice numbers count from 0 along the voxel axis closest to the view's normal (slices before rows before
@@ -25,9 +26,11 @@ inline constexpr double kPresetSlab_mm = 10;  // of the view slab
 struct PresetOptions {
   std::optional<std::int64_t>
       slice;  // stack: frame index; axial, coronal, sagittal: voxel slice; absent: the middle
-  std::optional<Plane> plane;  // replaces the preset's plane; cannot be given together with slice
-  std::optional<Slab> slab;    // `slab` alone: 10 mm, max
+  std::optional<Plane> plane;         // replaces the preset's plane; cannot be given together with slice
+  std::optional<Slab> slab;           // `slab` alone: 10 mm, max
   std::optional<CurvedLayer> curved;  // of the view curved: its path, form, up and width count
+  std::optional<ProjectionLayer> projection;  // of mip .. attenuation: its cue and gain count
+  std::optional<ShellsLayer> shells;          // of shells..: all but source, mode and window counts
   std::optional<VoiWindow> window;
   Interpolation interpolation = Interpolation::Linear;
   Camera camera;  // zoom, pan; height_mm when it is to differ from the preset's

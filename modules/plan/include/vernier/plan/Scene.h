@@ -80,8 +80,8 @@ struct SliceLayer {
   friend bool operator==(const SliceLayer&, const SliceLayer&) = default;
 };
 
-// A curved planar reformat: the sheet that a path sweeps through a volume, laid flat (CurvedGeometry.h): x runs
-// along the path, y across it.
+// A curved planar reformat: the sheet that a path sweeps through a volume, laid flat (CurvedGeometry.h): x
+// runs along the path, y across it.
 enum class CurvedForm { Straightened, Stretched };
 struct CurvedLayer {
   std::string source;
@@ -108,6 +108,46 @@ struct SurfaceLayer {
   friend bool operator==(const SurfaceLayer&, const SurfaceLayer&) = default;
 };
 
+// What a ray through a volume amounts to. Values are trilinear between voxel centres; no-data takes no part.
+//   Max, Min, Mean: the value, then the window. Mean: over the length with data.
+//   Sum: gain times the integral of the emission, which is the window's grey (0..1), over the ray in mm.
+//   Attenuation: what is left of a background of 1 behind a purely absorbing volume, exp(-Sum).
+enum class ProjectionMode { Max, Min, Sum, Mean, Attenuation };
+struct ProjectionLayer {
+  std::string source;
+  ProjectionMode mode = ProjectionMode::Max;
+  Interpolation interpolation = Interpolation::Linear;  // nearest or linear
+  std::optional<VoiWindow> window;                      // absent: all values of the volume
+  bool invert = false;
+  double cue = 0;  // of Max: grey is multiplied by 1 - cue + cue z', z' of DepthRamp (Volumetric.h); 0..1
+  std::optional<double> gain_perMm;  // of Sum and Attenuation; absent: 4 / diagonal of the volume's box
+  friend bool operator==(const ProjectionLayer&, const ProjectionLayer&) = default;
+};
+
+// Emission shells (Heidrich, Hardware Accelerated Rendering of Emissive Volumes): iso-surfaces of a volume at
+// n levels. phi of a level is its grey in the window. Brightness of a point of shell i, sections 2 and 3:
+// phi_i (beta0 + beta_m (a z' + b)), z' 1 near and 0 far (DepthRamp).
+//   Max: the brightest shell point on the ray, at least beta0 phi0. Sum: all of them added.
+//   Lit: the nearest shell, lit from the eye; brightness takes no part.
+enum class ShellsMode { Max, Sum, Lit };
+// Even: equal steps of value within the window, neither end included. Histogram: between two levels lie
+// equally many voxels of those inside the window.
+enum class LevelSpread { Even, Histogram };
+inline constexpr int kMostLevels = 1024;
+struct ShellsLayer {
+  std::string source;
+  ShellsMode mode = ShellsMode::Max;
+  std::vector<double> levels;  // modality values, ascending; empty: `count` of them by `spread`
+  int count = 12;
+  LevelSpread spread = LevelSpread::Even;
+  std::vector<int> disabled;        // places in the list of levels
+  std::optional<VoiWindow> window;  // absent: all values of the volume
+  double beta0 = 0, betaM = 1, a = 0, b = 1, phi0 = 0;
+  bool cueByDistance = false;  // z' falls evenly with the distance instead of the post-projection depth
+  Rgb colour{1, 1, 1};         // multiplies the brightness
+  friend bool operator==(const ShellsLayer&, const ShellsLayer&) = default;
+};
+
 // A layer of a kind that this build does not know itself, or of a plugin: kept verbatim.
 struct CustomLayer {
   std::string kind;
@@ -116,15 +156,26 @@ struct CustomLayer {
   friend bool operator==(const CustomLayer&, const CustomLayer&) = default;
 };
 
-using Layer = std::variant<ImageLayer, SliceLayer, CurvedLayer, SurfaceLayer, CustomLayer>;
-VERNIER_API std::string kindOf(const Layer&);  // "image", "slice", "curved", "surface", or the custom kind
+using Layer = std::variant<ImageLayer, SliceLayer, CurvedLayer, SurfaceLayer, ProjectionLayer, ShellsLayer,
+                           CustomLayer>;
+// "image", "slice", "curved", "surface", "projection", "shells", or the custom kind
+VERNIER_API std::string kindOf(const Layer&);
 
 // SceneInvalid when a pose is not finite or flattens the surface (determinant 0).
 VERNIER_API Result<void> checkPose(const PatientFromMesh&);
 
+// A part of the volume in continuous voxel coordinates (centres at integers); what lies outside is cut away.
+struct CropBox {
+  VoxelPoint least, greatest;
+  friend bool operator==(const CropBox&, const CropBox&) = default;
+};
+
 struct Scene {
   Camera camera;
   Rgb background;  // display-referred 0..1
+  // Of the layers that look through a volume (projection, shells); surfaces and slices are not cut.
+  std::optional<CropBox> crop;
+  std::vector<HalfSpace> clip;  // what is kept lies inside all of them
   std::vector<Layer> layers;
   friend bool operator==(const Scene&, const Scene&) = default;
 };

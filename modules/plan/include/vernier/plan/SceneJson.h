@@ -25,7 +25,8 @@ inline constexpr std::size_t kMaxSceneLayers = 256;
 VERNIER_API std::string writeScene(const Scene&);
 VERNIER_API Result<Scene> parseScene(std::string_view json);
 
-// Points of a path, alone in a file: a list of lists of three numbers, mm in the patient. SceneInvalid as above.
+// Points of a path, alone in a file: a list of lists of three numbers, mm in the patient. SceneInvalid as
+// above.
 VERNIER_API Result<std::vector<PatientPoint>> parsePath(std::string_view json);
 
 // A layer object of a plugin's own kind, checked and brought into canonical text (no space outside strings).

@@ -32,6 +32,14 @@ struct Sources {
   std::map<std::string, std::shared_ptr<const Mesh>> meshes;
 };
 
+// A triangle surface in its place.
+struct PlacedSurface {
+  std::shared_ptr<const Mesh> mesh;
+  PatientFromMesh pose;
+  glm::dvec3 colour{1};  // display-referred 0..1
+  double opacity = 1;
+};
+
 // Costs measured on this machine, by technique; without an entry a technique uses its built-in figure.
 struct CostTable {
   std::map<std::string, double> nsPerSample;
@@ -44,6 +52,9 @@ struct PlanContext {
   const Capabilities& capabilities;
   const CostTable& costs;
   const Sources& sources;
+  // The tools that stand among a layer that looks through a volume (projection, shells): its technique draws
+  // them too. Empty in all other pictures, and where no technique draws surfaces.
+  std::vector<PlacedSurface> tools = {};
 };
 
 // What a layer shows at a point of the picture (pixels, centres at half-integers), in double, over what lies

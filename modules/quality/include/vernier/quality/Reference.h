@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The truth that pictures are measured against: pixels of a scene in double precision, each on its own, at
-// the pixel's centre. Slices and images; surfaces by themselves (beside a slice they are outlines, which no error is
-// taken of); layers of plugins that bring their own truth. A scene with any other layer is refused (NotBuiltYet).
+// the pixel's centre. Slices and images; surfaces by themselves (beside a slice they are outlines, which no
+// error is taken of); layers of plugins that bring their own truth. A scene with any other layer is refused
+// (NotBuiltYet).
 //
 // Shares with the engines only the scene, voxel access and the default window: camera and plane geometry,
 // interpolation (GridGeometry.h: true slice positions, gaps, border held for half a voxel, no-data

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A ZIP archive whose entries are read without being written anywhere. What an entry says of itself is checked by its
-// actual bytes; an entry that is refused carries one sentence and the others stay readable. Limits: Limits.h.
+// A ZIP archive whose entries are read without being written anywhere. What an entry says of itself is
+// checked by its actual bytes; an entry that is refused carries one sentence and the others stay readable.
+// Limits: Limits.h.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -32,8 +33,8 @@ class VERNIER_API Archive {
   class Reader {
    public:
     virtual ~Reader() = default;
-    // Fills `to` from the front; fewer bytes only at the end. FileDamaged when the data are damaged, do not have the
-    // checksum that they should, or are fewer or more than declared.
+    // Fills `to` from the front; fewer bytes only at the end. FileDamaged when the data are damaged, do not
+    // have the checksum that they should, or are fewer or more than declared.
     virtual Result<std::size_t> read(std::span<std::byte> to) = 0;
   };
 

@@ -28,9 +28,9 @@ inline constexpr std::uint64_t kMaxImageRatio = 4096;
 inline constexpr std::uint64_t kAlwaysDecodedBytes = std::uint64_t{64} << 20;
 // Progressive JPEG goes over the whole image for each scan: a small file with very many scans is refused.
 inline constexpr std::uint64_t kMaxJpegScans = 100;
-// ZIP archives, which are unpacked to memory: entries, bytes of one entry and of all, and how often the packed bytes
-// an entry or the whole may become. Masks pack denser than images, so a ratio counts only beyond a size that is
-// granted to everybody.
+// ZIP archives, which are unpacked to memory: entries, bytes of one entry and of all, and how often the
+// packed bytes an entry or the whole may become. Masks pack denser than images, so a ratio counts only beyond
+// a size that is granted to everybody.
 inline constexpr std::uint64_t kMaxArchiveEntries = kMaxFilesPerStudy;
 inline constexpr std::uint64_t kMaxArchiveEntryBytes = std::uint64_t{2} << 30;
 inline constexpr std::uint64_t kMaxArchiveBytes = std::uint64_t{32} << 30;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The study model: Patient > Study > Series > Stack > slices, plus every file that was looked at. Plain values; no
-// pixels. Lengths mm, positions LPS. Rules: DICOM PS3.3; grouping, splitting and geometry as docs/studies.md states.
+// The study model: Patient > Study > Series > Stack > slices, plus every file that was looked at. Plain
+// values; no pixels. Lengths mm, positions LPS. Rules: DICOM PS3.3; grouping, splitting and geometry as
+// docs/studies.md states.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -23,13 +24,13 @@ class Archive;
 
 // Position of one frame (Image Plane module or functional groups).
 struct FramePlane {
-  PatientPoint origin;          // centre of the first pixel
-  PatientVec rowDirection;      // direction of increasing column index, unit
-  PatientVec columnDirection;   // direction of increasing row index, unit
+  PatientPoint origin;         // centre of the first pixel
+  PatientVec rowDirection;     // direction of increasing column index, unit
+  PatientVec columnDirection;  // direction of increasing row index, unit
 };
 
-// What a stored value means in the real world beside its modality value (PS3.3 C.7.6.16.2.11): slope * stored +
-// intercept, or a table, for stored values in [first, last].
+// What a stored value means in the real world beside its modality value (PS3.3 C.7.6.16.2.11): slope * stored
+// + intercept, or a table, for stored values in [first, last].
 struct RealWorldMapping {
   double first = 0, last = 0;  // stored values, inclusive
   double slope = 1, intercept = 0;
@@ -38,8 +39,8 @@ struct RealWorldMapping {
   std::string label, meaning;  // LUT Label; what is measured ("SUVbw") or the unit in words
 };
 
-// What holds for one frame. Of a classic object: its own attributes. Of an object with functional groups: those of
-// the frame, else the shared ones, never the root's (PS3.3 C.7.6.16).
+// What holds for one frame. Of a classic object: its own attributes. Of an object with functional groups:
+// those of the frame, else the shared ones, never the root's (PS3.3 C.7.6.16).
 struct FrameAttributes {
   std::optional<FramePlane> plane;      // absent: no geometry; directions made orthonormal
   std::optional<FramePlane> filePlane;  // directions as the file has them, for places of single pixels
@@ -48,13 +49,14 @@ struct FrameAttributes {
   ModalityRescale rescale;
   bool rescaleInvalid = false;     // slope 0 or not finite: stored values are shown, marked "unscaled"
   std::vector<VoiWindow> windows;  // valid ones only
-  std::optional<double> paddingFirst, paddingLast;  // stored values, inclusive; last = first without a range limit
-  std::string unit;                                 // "HU", "SUVbw", "stored value"...
+  std::optional<double> paddingFirst,
+      paddingLast;   // stored values, inclusive; last = first without a range limit
+  std::string unit;  // "HU", "SUVbw", "stored value"...
   std::optional<double> echoTime_ms;
   std::optional<std::int64_t> temporalPosition;
-  std::vector<std::string> imageType;          // Image Type, or Frame Type where the frame has one
-  std::vector<std::uint32_t> dimensionIndex;   // Dimension Index Values
-  std::vector<std::uint16_t> segments;         // numbers of the segments that a segmentation's frame shows
+  std::vector<std::string> imageType;         // Image Type, or Frame Type where the frame has one
+  std::vector<std::uint32_t> dimensionIndex;  // Dimension Index Values
+  std::vector<std::uint16_t> segments;        // numbers of the segments that a segmentation's frame shows
   std::shared_ptr<const std::vector<RealWorldMapping>> realWorld;  // may be null
 };
 
@@ -79,8 +81,8 @@ struct NamedText {
   std::string text;  // component groups divided by "="
 };
 
-// Objects with equal SOP Instance UIDs: one of those with the same decoded values and geometry is Kept, the others
-// are Repeated; those that differ are in Conflict: each can be viewed, none goes into a volume.
+// Objects with equal SOP Instance UIDs: one of those with the same decoded values and geometry is Kept, the
+// others are Repeated; those that differ are in Conflict: each can be viewed, none goes into a volume.
 enum class Identity { Unique, Kept, Repeated, Conflict };
 
 // One object of a file. Attribute text is UTF-8. The attributes of the base are those of its first frame.
@@ -94,27 +96,31 @@ struct Instance : FrameAttributes {
   std::string modality;
   std::optional<std::int64_t> instanceNumber, acquisitionNumber;
   std::string frameOfReferenceUid;
-  bool isImage = false;              // an image storage object with pixel data
-  std::string notShown;              // why it is listed but not drawn ("kept, not shown: encapsulated PDF"); empty = drawn
-  FrameSpec pixels;                  // valid when isImage and pixelError is empty
-  std::optional<Error> pixelError;   // why its pixels cannot be shown
+  bool isImage = false;  // an image storage object with pixel data
+  std::string
+      notShown;      // why it is listed but not drawn ("kept, not shown: encapsulated PDF"); empty = drawn
+  FrameSpec pixels;  // valid when isImage and pixelError is empty
+  std::optional<Error> pixelError;  // why its pixels cannot be shown
   std::optional<LutTable> modalityLut;
   std::vector<LutTable> voiLuts;
   bool lossy = false;
   std::string photometric;
   std::shared_ptr<const Palette> palette;  // of PALETTE COLOR images whose pixels can be shown
   std::string presentationLutShape;
-  std::string patientOrientation;    // row\column letters, when there is no plane
-  // One entry per frame where frames differ or may differ (functional groups, dose and slice vectors); null: all
-  // frames have the attributes of the base.
+  std::string patientOrientation;  // row\column letters, when there is no plane
+  // One entry per frame where frames differ or may differ (functional groups, dose and slice vectors); null:
+  // all frames have the attributes of the base.
   std::shared_ptr<const std::vector<FrameAttributes>> frames;
-  std::vector<double> frameTimes_ms;  // of a cine: when each frame was taken, from the first; empty = not said
+  std::vector<double>
+      frameTimes_ms;  // of a cine: when each frame was taken, from the first; empty = not said
   std::optional<Concatenation> concatenation;
   SegmentationKind segmentation = SegmentationKind::None;
-  double maxFractional = 0;           // of a fractional segmentation: the stored value that means 1
+  double maxFractional = 0;  // of a fractional segmentation: the stored value that means 1
   std::vector<Segment> segments;
 
-  const FrameAttributes& frame(std::uint64_t n) const { return frames && n < frames->size() ? (*frames)[n] : *this; }
+  const FrameAttributes& frame(std::uint64_t n) const {
+    return frames && n < frames->size() ? (*frames)[n] : *this;
+  }
 };
 
 // One slice of a stack: a frame of an instance.
@@ -125,25 +131,26 @@ struct SliceRef {
   std::uint64_t frame = 0;
 };
 
-// Uneven: GridGeometry::sliceOrigin_vox holds the true places, because of uneven steps or of gaps. NoGeometry: `grid`
-// is not valid, no lengths, no 3-D; positions_mm may be filled all the same (a bad pixel spacing, for instance).
+// Uneven: GridGeometry::sliceOrigin_vox holds the true places, because of uneven steps or of gaps.
+// NoGeometry: `grid` is not valid, no lengths, no 3-D; positions_mm may be filled all the same (a bad pixel
+// spacing, for instance).
 enum class StackShape { NoGeometry, Single, Uniform, Sheared, Uneven };
 
 struct Stack {
-  // Ascending along the normal; without geometry by instance number and, within an object, by dimension index values
-  // or frame number.
+  // Ascending along the normal; without geometry by instance number and, within an object, by dimension index
+  // values or frame number.
   std::vector<SliceRef> slices;
-  std::string label;               // what set it apart in its series, "" when alone: "echo time 90 ms"
+  std::string label;  // what set it apart in its series, "" when alone: "echo time 90 ms"
   StackShape shape = StackShape::NoGeometry;
-  GridGeometry grid;               // valid unless NoGeometry
+  GridGeometry grid;                 // valid unless NoGeometry
   std::vector<double> positions_mm;  // along the unit normal row x column
-  double step_mm = 0;              // median, along the normal
+  double step_mm = 0;                // median, along the normal
   double shear_deg = 0;
-  double deviation_mm = 0;         // e: largest distance of an origin from the straight even line
+  double deviation_mm = 0;             // e: largest distance of an origin from the straight even line
   double deviationAlongNormal_mm = 0;  // the part of it along the normal: uneven steps
-  bool volume3d = false;           // passed 3-D validation: MPR, MIP and DVR are offered
-  std::string why2d;               // else the reason, one sentence
-  bool orientationFixed = false;   // row and column direction were off orthonormal by 1e-4 to 1e-2
+  bool volume3d = false;               // passed 3-D validation: MPR, MIP and DVR are offered
+  std::string why2d;                   // else the reason, one sentence
+  bool orientationFixed = false;       // row and column direction were off orthonormal by 1e-4 to 1e-2
   std::vector<Finding> findings;
 };
 
@@ -166,8 +173,8 @@ struct Patient {
 // Volume: no DICOM, but a volume file (volume/VolumeFile.h).
 enum class FileKind { Image, NonImage, DicomDir, NoSopClass, Unreadable, NotDicom, Volume };
 struct FileRecord {
-  std::string path;      // to open it; of an entry of an archive: the archive's
-  std::string shown;     // relative to what the user named; of an entry: its last part
+  std::string path;                        // to open it; of an entry of an archive: the archive's
+  std::string shown;                       // relative to what the user named; of an entry: its last part
   std::shared_ptr<const Archive> archive;  // nullptr: the file itself
   std::size_t entry = 0;                   // which of Archive::entries()
   std::uint64_t bytes = 0;
@@ -182,7 +189,7 @@ struct StudySet {
   std::vector<Study> studies;
   std::vector<Patient> patients;
   std::vector<PresentationState> presentations;  // in file order
-  std::vector<Finding> findings;  // those of no single series
+  std::vector<Finding> findings;                 // those of no single series
 };
 
 }  // namespace vernier

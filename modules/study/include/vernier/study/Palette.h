@@ -11,12 +11,12 @@
 namespace vernier {
 
 struct Palette {
-  double firstMapped = 0;   // the index that takes entries[0]
-  std::uint32_t bits = 16;  // of an entry: 8 or 16
+  double firstMapped = 0;                             // the index that takes entries[0]
+  std::uint32_t bits = 16;                            // of an entry: 8 or 16
   std::vector<std::array<std::uint16_t, 3>> entries;  // never empty in an Instance
 
-  // What full intensity is: 255 or 65535; 65280 where all entries are 8-bit values in the high bytes of 16 bits, as
-  // the standard's own palettes once were written.
+  // What full intensity is: 255 or 65535; 65280 where all entries are 8-bit values in the high bytes of 16
+  // bits, as the standard's own palettes once were written.
   double fullScale = 65535;
   // Indices before the first one mapped take the first entry, those past the last take the last.
   const std::array<std::uint16_t, 3>& at(double index) const {

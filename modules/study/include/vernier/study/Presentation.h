@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Softcopy presentation states: how somebody wanted images to be seen. Listed in StudySet::presentations, applied
-// only on request, by an image layer that names one. Sources: DICOM PS3.3 A.33, C.7.6.11 (shutter), C.10.4 (displayed
-// area), C.10.5 (annotations), C.10.6 (rotation and flip), C.11 (LUTs); PS3.4 N.2. Plain data.
+// Softcopy presentation states: how somebody wanted images to be seen. Listed in StudySet::presentations,
+// applied only on request, by an image layer that names one. Sources: DICOM PS3.3 A.33, C.7.6.11 (shutter),
+// C.10.4 (displayed area), C.10.5 (annotations), C.10.6 (rotation and flip), C.11 (LUTs); PS3.4 N.2. Plain
+// data.
 //
-// Places of pixels are (column, row) as the standard counts them there: shutters and displayed areas from 1 at the
-// first pixel's centre, graphics from 0 at its corner.
+// Places of pixels are (column, row) as the standard counts them there: shutters and displayed areas from 1
+// at the first pixel's centre, graphics from 0 at its corner.
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -41,7 +42,7 @@ struct Shutter {
 
 enum class AreaMode { ScaleToFit, TrueSize, Magnify };
 struct DisplayedArea {
-  std::vector<ReferencedImage> images;  // empty: all
+  std::vector<ReferencedImage> images;    // empty: all
   glm::dvec2 topLeft{1}, bottomRight{1};  // pixels at two corners as displayed; may lie outside of the image
   AreaMode mode = AreaMode::ScaleToFit;
   double magnification = 1;
@@ -80,7 +81,8 @@ struct PresentationVoi {
 struct PresentationState {
   std::size_t instance = 0;  // index into StudySet::instances
   std::string sopInstanceUid, label, description;
-  std::string whyNot;  // why it can only be listed: "pseudo-colour presentation states are not applied"; empty: can be
+  std::string whyNot;  // why it can only be listed: "pseudo-colour presentation states are not applied";
+                       // empty: can be
   std::vector<ReferencedImage> images;
   bool greyscale = true;  // false: a colour presentation state, which has no grey transformations
   ModalityRescale rescale;
@@ -96,9 +98,9 @@ struct PresentationState {
   std::vector<std::string> notApplied;  // parts that it has and that are not built: "overlays", "text styles"
 };
 
-// What of a presentation state is meant for one frame. It replaces all grey transformations of the image itself;
-// what it does not say is the identity (PS3.4 N.2), and the image's photometric interpretation counts as
-// MONOCHROME2 (PS3.4 N.2.1.4).
+// What of a presentation state is meant for one frame. It replaces all grey transformations of the image
+// itself; what it does not say is the identity (PS3.4 N.2), and the image's photometric interpretation counts
+// as MONOCHROME2 (PS3.4 N.2.1.4).
 struct FramePresentation {
   std::string sopInstanceUid, label;
   bool greyscale = true;
@@ -116,11 +118,12 @@ struct FramePresentation {
   std::vector<std::string> notApplied;
 };
 
-VERNIER_API bool refersTo(const std::vector<ReferencedImage>&, const std::string& sopInstanceUid, std::int64_t frame);
+VERNIER_API bool refersTo(const std::vector<ReferencedImage>&, const std::string& sopInstanceUid,
+                          std::int64_t frame);
 
-// `frame` from 1. SceneInvalid where the state does not refer to that frame, NotBuiltYet where it is of a kind that
-// is only listed.
-VERNIER_API Result<FramePresentation> presentationFor(const PresentationState&, const std::string& sopInstanceUid,
-                                                      std::int64_t frame);
+// `frame` from 1. SceneInvalid where the state does not refer to that frame, NotBuiltYet where it is of a
+// kind that is only listed.
+VERNIER_API Result<FramePresentation> presentationFor(const PresentationState&,
+                                                      const std::string& sopInstanceUid, std::int64_t frame);
 
 }  // namespace vernier

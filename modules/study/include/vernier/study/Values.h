@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From stored numbers to what is displayed: rescale, windows and lookup tables as files hold them (PS3.3 C.11).
+// From stored numbers to what is displayed: rescale, windows and lookup tables as files hold them (PS3.3
+// C.11).
 #pragma once
 #include <cstdint>
 #include <string>

@@ -29,17 +29,17 @@ struct BuildOptions {
 // their type; where slopes differ from slice to slice (or a modality LUT stands) they become float modality
 // values and the stored ones stay beside them (Volume::original). A slice that cannot be decoded counts as
 // missing: a gap and the finding "slices-not-decoded", never zeros. Lossy CT: "padding-blurred". Peak memory:
-// at most 1.3 x the volume + 100 MB. A stack of colour images of 8 bits (palettes of 8 or 16) becomes a colour
-// volume of red, green and blue.
+// at most 1.3 x the volume + 100 MB. A stack of colour images of 8 bits (palettes of 8 or 16) becomes a
+// colour volume of red, green and blue.
 VERNIER_API Result<std::shared_ptr<const Volume>> buildVolume(const StudySet&, const Series&, const Stack&,
                                                               const BuildOptions& = {},
                                                               const ProgressFn& = {}, std::stop_token = {});
 
-// Decodes one slice of any image stack, grey or colour (which has no window). `slice` in [0, stack.slices.size()). A
-// stack shows one window, its middle slice's; NM, XA, CR, DX, MG and stacks without geometry have one per
-// image. autoWindow: 1st.. 99th percentile of the stack (of at most 32 slices spread over it) where the file
-// has no window, else of this image. Pass the autoWindow of an earlier frame of the same stack to save that
-// work.
+// Decodes one slice of any image stack, grey or colour (which has no window). `slice` in [0,
+// stack.slices.size()). A stack shows one window, its middle slice's; NM, XA, CR, DX, MG and stacks without
+// geometry have one per image. autoWindow: 1st.. 99th percentile of the stack (of at most 32 slices spread
+// over it) where the file has no window, else of this image. Pass the autoWindow of an earlier frame of the
+// same stack to save that work.
 VERNIER_API Result<std::shared_ptr<const ImageFrame>> buildImageFrame(
     const StudySet&, const Series&, const Stack&, std::size_t slice,
     std::optional<VoiWindow> autoWindow = {});

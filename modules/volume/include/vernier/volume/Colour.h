@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Colours of stored pixels, display-referred sRGB-coded numbers 0..1, in double. Sources: DICOM PS3.3 C.7.6.3.1.2
-// (YBR_FULL, YBR_PARTIAL), C.7.6.3.1.5 (palettes). Pure functions.
+// Colours of stored pixels, display-referred sRGB-coded numbers 0..1, in double. Sources: DICOM PS3.3
+// C.7.6.3.1.2 (YBR_FULL, YBR_PARTIAL), C.7.6.3.1.5 (palettes). Pure functions.
 #pragma once
 #include <array>
 #include <glm/glm.hpp>

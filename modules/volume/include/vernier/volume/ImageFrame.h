@@ -18,7 +18,9 @@ struct ImageFrameInfo {
   ColourSpace colour = ColourSpace::Grey;
   std::uint32_t bitsStored = 16;           // the full scale of a colour sample is 2^bits - 1
   std::shared_ptr<const Palette> palette;  // of ColourSpace::Palette
-  std::int64_t samples() const { return colour == ColourSpace::Grey || colour == ColourSpace::Palette ? 1 : 3; }
+  std::int64_t samples() const {
+    return colour == ColourSpace::Grey || colour == ColourSpace::Palette ? 1 : 3;
+  }
   ModalityRescale rescale;
   std::optional<LutTable> modalityLut;
   std::optional<NoDataRange> noData;

@@ -24,8 +24,8 @@ enum class Interpolation { Nearest, Linear, Cubic };
 VERNIER_API std::optional<double> sampleModality(const Volume&, PatientPoint,
                                                  Interpolation = Interpolation::Linear);
 
-// Red, green, blue and alpha (255 where there is none) of a colour volume, each interpolated by itself, 0..255.
-// nullopt outside, in a gap, and for grey volumes.
+// Red, green, blue and alpha (255 where there is none) of a colour volume, each interpolated by itself,
+// 0..255. nullopt outside, in a gap, and for grey volumes.
 VERNIER_API std::optional<std::array<double, 4>> sampleColour(const Volume&, PatientPoint,
                                                               Interpolation = Interpolation::Linear);
 
@@ -36,7 +36,8 @@ struct StoredProbe {
   std::int64_t i = 0, j = 0, k = 0;
   double stored = 0, modality = 0;
   bool noData = false;
-  std::optional<std::array<std::uint8_t, 4>> rgba;  // of colour volumes, which have no `stored` and no `modality`
+  std::optional<std::array<std::uint8_t, 4>>
+      rgba;  // of colour volumes, which have no `stored` and no `modality`
 };
 VERNIER_API std::optional<StoredProbe> probeStored(const Volume&, PatientPoint);
 

@@ -3,9 +3,9 @@
 // modality value = slope * stored + intercept (per slice when slices differ). Thread-safe: nothing changes
 // after make().
 //
-// A colour volume has 3 (red, green, blue) or 4 (and alpha, not premultiplied) samples of 8 bits for each voxel. It
-// holds one grey volume per channel on the same grid, so that whatever samples grey volumes samples colours, channel
-// by channel; it has no voxels, windows, padding or modality values of its own.
+// A colour volume has 3 (red, green, blue) or 4 (and alpha, not premultiplied) samples of 8 bits for each
+// voxel. It holds one grey volume per channel on the same grid, so that whatever samples grey volumes samples
+// colours, channel by channel; it has no voxels, windows, padding or modality values of its own.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -105,7 +105,8 @@ class VERNIER_API Volume {
   static Result<std::shared_ptr<const Volume>> make(VolumeInfo info, Buffer voxels);
   static Result<std::shared_ptr<const Volume>> make(VolumeInfo info, Buffer voxels, OriginalVoxels original);
 
-  // Colour: `interleaved` holds `samples` (3 or 4) bytes for each voxel, in the order of a grey volume's voxels.
+  // Colour: `interleaved` holds `samples` (3 or 4) bytes for each voxel, in the order of a grey volume's
+  // voxels.
   static Result<std::shared_ptr<const Volume>> makeColour(VolumeInfo info, int samples,
                                                           std::span<const std::byte> interleaved);
   // The same from 3 or 4 planes of bytes, which are taken over without a copy.
@@ -121,7 +122,8 @@ class VERNIER_API Volume {
   const GridGeometry& grid() const { return info_.grid; }
   Revision revision() const { return revision_; }
   VoxelType type() const { return info_.type; }
-  // Voxel (i, j, k) at index i + columns * (j + rows * k). Of grey volumes only, as all that speaks of one value.
+  // Voxel (i, j, k) at index i + columns * (j + rows * k). Of grey volumes only, as all that speaks of one
+  // value.
   const std::byte* data() const {
     VERNIER_ASSERT(!isColour());
     return voxels_.data();
