@@ -214,12 +214,14 @@ class Planner {
 
 // A whole-picture layer covers what lies under it: two of them need a way to be combined, which is not built
 // yet. Surfaces are combined by the technique that draws them or the volume around them; on a slice they are
-// outlines.
-Result<void> checkPairs(const Scene& scene) {
+// outlines. Layers that nothing here draws stand in nobody's way.
+Result<void> checkPairs(const Scene& scene, const TechniqueRegistry& techniques) {
   std::optional<std::size_t> first;
   const bool takesSurfaces = holds<SliceLayer>(scene) || throughVolume(scene);
   for (std::size_t i = 0; i < scene.layers.size(); ++i) {
-    if (std::holds_alternative<CustomLayer>(scene.layers[i])) continue;
+    if (std::holds_alternative<CustomLayer>(scene.layers[i]) ||
+        techniques.drawing(kindOf(scene.layers[i])).empty())
+      continue;
     const bool surface = std::holds_alternative<SurfaceLayer>(scene.layers[i]);
     if (surface && (takesSurfaces || (first && std::holds_alternative<SurfaceLayer>(scene.layers[*first]))))
       continue;
@@ -276,7 +278,7 @@ Result<Plan> makePlan(const Scene& scene, const View& view, const Quality& quali
                                                    " draws no layer of this scene; ask for "
                                                    "another one, or for none.");
   }
-  if (Result<void> pairs = checkPairs(scene); !pairs) return pairs.error();
+  if (Result<void> pairs = checkPairs(scene, techniques); !pairs) return pairs.error();
 
   Plan plan;
   PlanContext context{scene, view, quality, capabilities, costs, sources};

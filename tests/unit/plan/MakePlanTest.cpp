@@ -299,11 +299,19 @@ TEST(MakePlan, ANamedTechniqueThatDrawsNothingHereIsRefused) {
 }
 
 TEST(MakePlan, TwoWholePicturesAreRefused) {
-  Scene scene = stackScene("v", 0, {});
+  Scene scene = oneSlice();
   scene.layers.push_back(oneSlice().layers[0]);
   const auto plan = planned(scene, {}, software(), registryOf({kNative}));
   ASSERT_FALSE(plan.ok());
   EXPECT_EQ(plan.error().code, ErrorCode::NotBuiltYet);
+
+  // A picture that nobody here draws stands in nobody's way: it is kept, and said.
+  Scene absent = stackScene("v", 0, {});
+  absent.layers.push_back(oneSlice().layers[0]);
+  const auto kept = planned(absent, {}, software(), registryOf({kNative}));
+  ASSERT_TRUE(kept.ok());
+  EXPECT_FALSE(kept->showsWholeScene);
+  EXPECT_EQ(kept->passes.size(), 1u);
 }
 
 TEST(MakePlan, EmptyScenesAndPictures) {

@@ -102,9 +102,34 @@ Scene randomScene(std::uint64_t& c) {
   curved.window = window();
   curved.invert = bit();
   slice.interpolation = bit() ? Interpolation::Cubic : Interpolation::Linear;
-  s.layers = {image,  slice,
-              curved, *customLayer(R"({"kind": "shells", "version": 2, "levels": [0.10, 1e5, -0]})"),
-              slice,  surface};
+  ProjectionLayer projection;
+  projection.source = "d";
+  projection.mode = static_cast<ProjectionMode>(randomBits(9, c++) % 5);
+  projection.interpolation = bit() ? Interpolation::Nearest : Interpolation::Linear;
+  projection.window = window();
+  projection.invert = bit();
+  projection.cue = projection.mode == ProjectionMode::Max ? randomUnit(9, c++) : 0;
+  if (bit()) projection.gain_perMm = positive(c);
+  ShellsLayer shells;
+  shells.source = "e";
+  shells.mode = static_cast<ShellsMode>(randomBits(9, c++) % 3);
+  if (bit())
+    shells.levels = {-1e300, -0.1, 0.1 + 0.2, positive(c) + 1};
+  else
+    shells.count = 1 + static_cast<int>(randomBits(9, c++) % kMostLevels);
+  shells.spread = bit() ? LevelSpread::Histogram : LevelSpread::Even;
+  if (bit()) shells.disabled = {3, 0, 1023};
+  shells.window = window();
+  shells.beta0 = positive(c), shells.betaM = positive(c);
+  shells.a = positive(c), shells.b = positive(c), shells.phi0 = randomUnit(9, c++);
+  shells.cueByDistance = bit();
+  shells.colour = {randomUnit(9, c++), randomUnit(9, c++), randomUnit(9, c++)};
+  if (bit()) s.crop = CropBox{VoxelPoint(-0.1, 1.0 / 3, -7), VoxelPoint(1e9, 0.5, 5e-324)};
+  if (bit()) s.clip = {{PatientVec(1, 2, -3), anyDouble(c)}, {PatientVec(0, 1e-3, 0), -0.0}};
+  s.layers = {image,      slice,
+              curved,     *customLayer(R"({"kind": "isosurface", "version": 2, "levels": [0.10, 1e5, -0]})"),
+              slice,      surface,
+              projection, shells};
   return s;
 }
 
