@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Projections on the CPU, without GL: what each pixel's ray through a volume amounts to (ProjectionLayer in
+// Scene.h says what the modes mean), with the tools that stand in it.
+//
+// A ray is cut to `region`, then at the tools: parts. Along a part the field is trilinear (or nearest), as
+// GridGeometry.h defines the grid; no-data takes no part. Two ways:
+//   Sampled: at the view's lattice, (k + 1/2) step_mm from the eye, cut steps at what is left of them. In
+//     float by SIMD (even grids of U8, U16, I16 and F32, one rescale, linear interpolation, a window that is
+//     a ramp; positions to 1e-6 voxel), else in double, sample by sample.
+//   Exact: cell by cell in double. Extrema are the ends and the roots of the derivative of each cell's cubic;
+//     integrals are exact for the cubic, cut where it crosses the window's ends.
+// Extrema leave out what cannot win, by bounds over bricks; the sum leaves out what emits nothing.
+//
+// Parts join front to back, with the share that the translucent tools before them let through:
+//   Max, Min: the part's grey times its share; the greatest of the parts (Min: of all, the least value; then
+//     as Max). Mean: one mean over all parts, times the mean of their shares, by length.
+//   Sum: emissions times their shares, added. Attenuation: everything behind is weakened.
+// Tools: Max, Min and Mean: the brighter of the projection and the tools' colour wins in each channel (of an
+// inverted layer the darker). Sum: is added to the tools' colour. Attenuation: the tools' colours are
+// weakened by what lies before them; where no tool ends the ray the background is 1. A ray that meets nothing
+// shows the scene's background; Attenuation: 1, nothing having weakened it.
+//
+// Frames: Pixel (centres at half-integers, row 0 on top), rays in patient mm by CameraPicture. Threads: tiles
+// by parallelFor, every pixel by itself: bit-equal for any number of threads. The stop token is read once per
+// row of a tile. Errors: Cancelled; Internal for a job that whyNot..() names.
+#pragma once
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "vernier/native/Surfaces.h"
+#include "vernier/plan/Volumetric.h"
+#include "vernier/volume/Volume.h"
+
+namespace vernier::native {
+
+// Bounds of the field over parts of a volume, for rays that leave out what cannot matter. Made once for a
+// volume; reads every voxel, on all cores.
+class ProjectionBounds;
+VERNIER_API Result<std::shared_ptr<const ProjectionBounds>> projectionBounds(const Volume&);
+VERNIER_API std::uint64_t bytesOfBounds(const GridGeometry&);
+
+struct ProjectionJob {
+  const Volume* volume = nullptr;            // grey
+  const ProjectionBounds* bounds = nullptr;  // null: nothing is left out
+  CameraPicture camera;
+  std::vector<HalfSpace> region;  // keptRegion()
+  ProjectionMode mode = ProjectionMode::Max;
+  Interpolation interpolation = Interpolation::Linear;
+  VoiWindow window;  // usable and normalised (Voi.h)
+  bool invert = false;
+  double cue = 0;  // of Max
+  DepthRamp ramp;
+  double gain_perMm = 1;
+  double step_mm = 1;  // of the sampling lattice
+  bool exact = false;
+  Rgb background;
+  const SurfaceHits* tools = nullptr;  // of the same camera; null: none
+};
+
+// True when the SIMD kernel will sample the job; for cost models and tests.
+VERNIER_API bool samplesFast(const ProjectionJob&);
+// One sentence why the job cannot be drawn exactly; "" when it can.
+VERNIER_API std::string whyNotExact(const ProjectionJob&);
+
+// Fills colour, depth (mm along the ray: Max and Min where the extremum lies, or the tool that ends the ray
+// when it is what is seen; else where the ray enters) and, when they have been allocated, values (Max, Min,
+// Mean: modality; Sum, Attenuation: gain times the integral; of the volume alone, tools leave no mark but
+// that they end the ray). Writes every pixel. Adds samples and cells to the counters.
+VERNIER_API Result<void> drawProjection(const ProjectionJob&, Images&, std::stop_token = {});
+
+}  // namespace vernier::native

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "vernier/native/Projection.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "ProjectionFast.h"
+#include "ProjectionRay.h"
+#include "vernier/base/Threads.h"
+#include "vernier/base/Trace.h"
+
+namespace vernier::native {
+namespace {
+
+constexpr int kTile_px = 32;
+
+// What draws one picture.
+struct Painter {
+  const ProjectionJob& job;
+  Images& images;
+  std::optional<FastProjection> fast;
+  FastKernel kernel = nullptr;
+  VoxelFromPatient voxelFromPatient;
+
+  Gathered gather(const VoxelRay& ray, double from, double to, RayHint& hint, ProjectionWork& work) const {
+    Gathered out;
+    const bool sampled = !job.exact || gatherOf(job) == Gather::Extreme;
+    if (sampled) {
+      if (kernel)
+        kernel(*fast, ray, from, to, hint, out, work);
+      else if (!job.exact)
+        out = gatherGeneral(job, ray, from, to, work);
+    }
+    return job.exact ? gatherExact(job, ray, from, to, out, work) : out;
+  }
+};
+
+// What a pixel's ray has met so far.
+struct Along {
+  glm::dvec3 tools{0};                    // colours of the tools, premultiplied
+  double share = 1;                       // of what comes behind
+  double grey = 0, value = 0, at_mm = 0;  // Max, Min
+  double integral = 0;                    // Sum, Attenuation, Mean
+  double length_mm = 0, shareLength = 0;  // Mean
+  double weakened = 0;                    // Attenuation: gain times the integral up to here
+  bool covered = false;
+};
+
+double displayed(const ProjectionJob& job, double grey) { return job.invert ? 1 - grey : grey; }
+
+void addExtreme(const ProjectionJob& job, const Gathered& g, Along& a) {
+  if (std::isnan(g.best)) return;
+  const double grey = a.share * (job.cue > 0 ? g.best : applyVoi(job.window, g.best));
+  const bool greatest = job.mode == ProjectionMode::Max;
+  if (a.covered && (greatest ? grey <= a.grey : grey >= a.grey)) return;
+  a.grey = grey, a.value = g.best, a.at_mm = g.at_mm, a.covered = true;
+}
+
+void addPart(const ProjectionJob& job, const Gathered& g, double from, Along& a) {
+  switch (job.mode) {
+    case ProjectionMode::Max:
+    case ProjectionMode::Min:
+      return addExtreme(job, g, a);
+    case ProjectionMode::Mean:
+      a.integral += g.integral, a.length_mm += g.length_mm, a.shareLength += a.share * g.length_mm;
+      break;
+    case ProjectionMode::Sum:
+      a.integral += a.share * g.integral;
+      break;
+    case ProjectionMode::Attenuation:
+      a.weakened += job.gain_perMm * g.integral;
+      break;
+  }
+  if (!(g.length_mm > 0)) return;
+  if (!a.covered) a.at_mm = from;
+  a.covered = true;
+}
+
+void addTool(const ProjectionJob& job, const SurfaceHits::Layer& layer, Along& a) {
+  const double seen = a.share * (job.mode == ProjectionMode::Attenuation ? std::exp(-a.weakened) : 1);
+  a.tools += seen * glm::dvec3(layer.r, layer.g, layer.b);
+  a.share *= 1 - static_cast<double>(layer.alpha);
+}
+
+// The projection over what stands behind it, by the rules in the header. `end`: of the tool that ends the
+// ray.
+glm::dvec3 colourOf(const ProjectionJob& job, Along& a, const glm::dvec3* end) {
+  const glm::dvec3 background(job.background.r, job.background.g, job.background.b);
+  const glm::dvec3 tools = a.tools + (end ? a.share * *end : glm::dvec3(0));
+  switch (job.mode) {
+    case ProjectionMode::Sum: {
+      a.value = job.gain_perMm * a.integral;
+      if (job.invert) return a.tools + a.share * (end ? *end : glm::dvec3(1)) - a.value;
+      return tools + (end ? glm::dvec3(0) : a.share * background) + a.value;
+    }
+    case ProjectionMode::Attenuation: {
+      a.value = a.weakened;
+      const double left = std::exp(-a.weakened);
+      const glm::dvec3 behind = end ? *end * left : glm::dvec3(displayed(job, left));
+      return a.tools + a.share * behind;
+    }
+    case ProjectionMode::Mean:
+      if (a.covered) {
+        a.value = a.integral / a.length_mm;
+        a.grey = applyVoi(job.window, a.value) * a.shareLength / a.length_mm;
+      }
+      break;
+    default:
+      break;
+  }
+  if (!a.covered) return tools + (end ? glm::dvec3(0) : a.share * background);
+  const glm::dvec3 seen(displayed(job, a.grey));
+  const bool withTools = end || a.share < 1;
+  if (!withTools) return seen;
+  return job.invert ? glm::min(seen, tools + (end ? glm::dvec3(0) : glm::dvec3(a.share)))
+                    : glm::max(seen, tools);
+}
+
+void put(const Painter& p, std::size_t pixel, const glm::dvec3& colour, const Along& a, double end_mm) {
+  for (int c = 0; c < 3; ++c)
+    p.images.colour[4 * pixel + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
+  p.images.colour[4 * pixel + 3] = 1;
+  double depth = a.covered ? a.at_mm : end_mm;
+  const bool extreme = p.job.mode == ProjectionMode::Max || p.job.mode == ProjectionMode::Min;
+  const double own = displayed(p.job, a.grey);
+  if (extreme && a.covered && std::isfinite(end_mm) && colour != glm::dvec3(own)) depth = end_mm;
+  p.images.depth[pixel] = static_cast<float>(depth);
+  if (!p.images.values.empty())
+    p.images.values[pixel] =
+        a.covered ? static_cast<float>(a.value) : std::numeric_limits<float>::quiet_NaN();
+}
+
+void drawPixel(const Painter& p, int x, int y, RayHint& hint, ProjectionWork& work) {
+  const ProjectionJob& job = p.job;
+  const double px = x + 0.5, py = y + 0.5;
+  const std::size_t pixel =
+      static_cast<std::size_t>(x) + static_cast<std::size_t>(p.images.width) * static_cast<std::size_t>(y);
+  const PatientRay patient = job.camera.ray(px, py);
+  const double rayPerDepth = job.camera.rayPerDepth(px, py);
+  const RaySpan span = spanOf(patient, job.region, job.camera.near_mm * rayPerDepth);
+  const SurfaceHits* const tools = job.tools;
+  const double end_mm = tools ? static_cast<double>(tools->end_mm[pixel]) : static_cast<double>(kNothing_mm);
+  const VoxelRay ray{(p.voxelFromPatient * patient.origin).p, p.voxelFromPatient.linear * patient.direction.v,
+                     rayPerDepth};
+  Along a;
+  double from = span.entry_mm;
+  const double to = span.empty() ? span.entry_mm : std::min(span.exit_mm, end_mm);
+  const auto part = [&](double until) {
+    if (span.empty() || !(until > from)) return;
+    addPart(job, p.gather(ray, from, until, hint, work), from, a);
+    from = until;
+  };
+  if (tools)
+    for (std::uint32_t n = tools->first[pixel]; n < tools->first[pixel + 1]; ++n) {
+      part(std::min(to, static_cast<double>(tools->layers[n].t_mm)));
+      addTool(job, tools->layers[n], a);
+    }
+  part(to);
+  glm::dvec3 end(0);
+  const bool ended = std::isfinite(end_mm);
+  if (ended)
+    for (std::size_t c = 0; c < 3; ++c)
+      end[static_cast<int>(c)] = static_cast<double>(tools->endColour[3 * pixel + c]);
+  put(p, pixel, colourOf(job, a, ended ? &end : nullptr), a, end_mm);
+}
+
+}  // namespace
+
+Result<void> drawProjection(const ProjectionJob& job, Images& images, std::stop_token stop) {
+  const TraceSpan span("projection");
+  images.width = job.camera.width_px, images.height = job.camera.height_px;
+  const std::size_t n = static_cast<std::size_t>(images.width) * static_cast<std::size_t>(images.height);
+  if (!job.volume || job.volume->isColour())
+    return makeError(ErrorCode::Internal, "The job has no grey volume.", "drawProjection");
+  if (job.exact)
+    if (std::string why = whyNotExact(job); !why.empty())
+      return makeError(ErrorCode::Internal, std::move(why), "drawProjection");
+  images.colour.resize(4 * n);
+  images.depth.resize(n);
+  if (!images.values.empty()) images.values.resize(n);
+  Painter painter{job, images, fastProjectionOf(job), nullptr, job.volume->voxelFromPatient()};
+  if (painter.fast) painter.kernel = fastKernelFor(*painter.fast);
+  const int across = (images.width + kTile_px - 1) / kTile_px,
+            down = (images.height + kTile_px - 1) / kTile_px;
+  std::atomic<std::uint64_t> samples{0}, cells{0};
+  parallelFor(static_cast<std::size_t>(across) * static_cast<std::size_t>(down), 1,
+              [&](std::size_t begin, std::size_t end) {
+                for (std::size_t t = begin; t < end; ++t) {
+                  const int x0 = static_cast<int>(t) % across * kTile_px;
+                  const int y0 = static_cast<int>(t) / across * kTile_px;
+                  ProjectionWork work;
+                  for (int y = y0; y < std::min(y0 + kTile_px, images.height) && !stop.stop_requested();
+                       ++y) {
+                    RayHint hint;
+                    for (int x = x0; x < std::min(x0 + kTile_px, images.width); ++x)
+                      drawPixel(painter, x, y, hint, work);
+                  }
+                  samples += work.samples, cells += work.cells;
+                }
+              });
+  images.counters.samples += samples;
+  images.counters.cells += cells;
+  if (stop.stop_requested()) return makeError(ErrorCode::Cancelled, "The projection was cancelled.");
+  return {};
+}
+
+}  // namespace vernier::native

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the projection kernels share: a ray in voxels, and what one part of it amounts to.
+#pragma once
+#include <cstdint>
+#include <limits>
+
+#include "vernier/native/Projection.h"
+#include "vernier/volume/Voi.h"
+
+namespace vernier::native {
+
+// Voxel positions origin + t * direction, t in mm from the lattice's origin.
+struct VoxelRay {
+  glm::dvec3 origin{0}, direction{0};
+  double rayPerDepth = 1;
+  glm::dvec3 at(double t_mm) const { return origin + t_mm * direction; }
+};
+
+// One part of a ray, [from_mm, to_mm]. Extreme: `best` in modality values, NaN where no data lay. Cued
+// maximum: best is the cued grey. Emission: `integral` of the clamped grey. Mean: integral of the modality
+// value. `length_mm`: with data (Emission: of the part).
+struct Gathered {
+  double best = std::numeric_limits<double>::quiet_NaN();
+  double at_mm = 0;
+  double integral = 0, length_mm = 0;
+};
+
+struct ProjectionWork {
+  std::uint64_t samples = 0, cells = 0;
+};
+
+// What kernels do with the field along a part.
+enum class Gather { Extreme, Cued, Emission, Mean };
+inline Gather gatherOf(const ProjectionJob& job) {
+  switch (job.mode) {
+    case ProjectionMode::Sum:
+    case ProjectionMode::Attenuation:
+      return Gather::Emission;
+    case ProjectionMode::Mean:
+      return Gather::Mean;
+    default:
+      return job.cue > 0 ? Gather::Cued : Gather::Extreme;
+  }
+}
+
+// The share that the depth cue leaves at a distance along a ray: c0 + c1 t + c2 / t. Falls with t.
+struct CueAlong {
+  double c0 = 1, c1 = 0, c2 = 0;
+  double at(double t_mm) const { return c0 + c1 * t_mm + (c2 != 0 ? c2 / t_mm : 0); }
+};
+inline CueAlong cueAlong(const ProjectionJob& job, const VoxelRay& ray) {
+  const double range = job.ramp.far_mm - job.ramp.near_mm;
+  if (job.ramp.afterProjection)
+    return {1 - job.cue - job.cue * job.ramp.near_mm / range, 0,
+            job.cue * job.ramp.near_mm * job.ramp.far_mm / range * ray.rayPerDepth};
+  return {1 - job.cue + job.cue * job.ramp.far_mm / range, -job.cue / (range * ray.rayPerDepth), 0};
+}
+
+// Kernels keep what neighbouring rays share: where the last extremum lay.
+struct RayHint {
+  double at_mm = -1;
+};
+
+// The steps of the lattice that [from, to] meets: step k covers [k, k + 1) * step_mm.
+struct Steps {
+  std::int64_t first = 0, count = 0;
+};
+inline Steps stepsOf(double from_mm, double to_mm, double step_mm) {
+  const auto first = static_cast<std::int64_t>(std::floor(from_mm / step_mm));
+  const auto last = static_cast<std::int64_t>(std::ceil(to_mm / step_mm)) - 1;
+  return {first, std::max<std::int64_t>(1, last - first + 1)};
+}
+
+// Samples in double with every rule of the grid.
+Gathered gatherGeneral(const ProjectionJob&, const VoxelRay&, double from_mm, double to_mm, ProjectionWork&);
+// Cell by cell; `start`: an extremum that is known to be reached, from a sampled pass (NaN: none).
+Gathered gatherExact(const ProjectionJob&, const VoxelRay&, double from_mm, double to_mm,
+                     const Gathered& start, ProjectionWork&);
+
+}  // namespace vernier::native
