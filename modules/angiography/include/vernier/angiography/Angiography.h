@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Looking through a volume. registerAngiography adds to the host:
+//   projection.native  what a ray amounts to: max, min, sum, mean, attenuation   (kind projection)
+#pragma once
+#include "vernier/plan/Technique.h"
+
+namespace vernier::angiography {
+Result<void> registerAngiography(Host&);
+}
