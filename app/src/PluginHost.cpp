@@ -54,7 +54,8 @@ namespace {
 // long as the plugin host: techniques keep a reference to it for the GL device.
 class Gathering final : public Host {
  public:
-  explicit Gathering(const std::function<Result<gpu::Device*>()>& glDevice) : glDevice_(glDevice) {}
+  Gathering(const std::function<Result<gpu::Device*>()>& glDevice, DerivedCache* derived)
+      : glDevice_(glDevice), derived_(derived) {}
   Result<void> addTechnique(Technique t) override {
     if (t.name.empty() || t.kinds.empty() || !t.passesFor || !t.execute)
       return makeError(ErrorCode::PluginFailed, "A technique without name, kinds, passesFor or execute.",
@@ -68,17 +69,20 @@ class Gathering final : public Host {
     return {};
   }
   Result<gpu::Device*> glDevice() override { return glDevice_(); }
+  DerivedCache& derivedData() override { return derived_ ? *derived_ : Host::derivedData(); }
   std::vector<Technique> techniques;
   std::vector<Panel> panels;
 
  private:
   std::function<Result<gpu::Device*>()> glDevice_;
+  DerivedCache* derived_;
 };
 
 }  // namespace
 
 struct PluginHost::Impl {
   std::function<Result<gpu::Device*>()> glDevice;
+  DerivedCache* derived = nullptr;
   std::vector<std::unique_ptr<Gathering>> hosts;
   // A plugin may be switched off by its own techniques while they run, so its info has a fixed address.
   std::vector<std::unique_ptr<PluginInfo>> infos;
@@ -171,8 +175,10 @@ Technique wrapped(Technique t, PluginInfo* owner) {
 
 }  // namespace
 
-PluginHost::PluginHost(std::function<Result<gpu::Device*>()> glDevice) : impl_(std::make_unique<Impl>()) {
+PluginHost::PluginHost(std::function<Result<gpu::Device*>()> glDevice, DerivedCache* derived)
+    : impl_(std::make_unique<Impl>()) {
   impl_->glDevice = std::move(glDevice);
+  impl_->derived = derived;
 }
 PluginHost::~PluginHost() = default;
 
@@ -281,7 +287,7 @@ void PluginHost::Impl::finish(const Candidate& c) {
     return refuse(info, PluginState::OtherInterface,
                   std::string("It speaks interface ") + interface() + "; this program speaks " +
                       kPluginInterface + ".");
-  auto gathering = std::make_unique<Gathering>(glDevice);
+  auto gathering = std::make_unique<Gathering>(glDevice, derived);
   Error error;
   bool registered = false;
   const Result<void> run = guarded(info.name, [&]() -> Result<void> {

@@ -40,8 +40,9 @@ struct PluginInfo {
 
 class PluginHost {
  public:
-  // glDevice: how a technique gets the GL device of the render thread.
-  explicit PluginHost(std::function<Result<gpu::Device*>()> glDevice);
+  // glDevice: how a technique gets the GL device of the render thread. derived: where techniques keep what
+  // they derive from volumes; null: each plugin in a small place of its own. Outlives the host.
+  explicit PluginHost(std::function<Result<gpu::Device*>()> glDevice, DerivedCache* derived = nullptr);
   ~PluginHost();
 
   // Looks at every sub-folder of `folders`, in order of names, dependencies first.

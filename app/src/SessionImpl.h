@@ -17,7 +17,7 @@ struct Session::Impl {
   explicit Impl(const SessionOptions& o)
       : makeDevice(o.makeDevice),
         budget(o.memory_mb > 0 ? o.memory_mb << 20 : MemoryBudget::halfOfFreeBytes()),
-        plugins([this] { return device(); }) {
+        plugins([this] { return device(); }, &derived) {
     std::vector<std::string> folders{PluginHost::installFolder()};
     folders.insert(folders.end(), o.pluginFolders.begin(), o.pluginFolders.end());
     plugins.load(folders);
@@ -64,7 +64,7 @@ struct Session::Impl {
   std::function<Result<std::unique_ptr<gpu::Device>>()> makeDevice;
   bool deviceWasRebuilt = false;
   static constexpr std::uint64_t kKeptFrames_bytes = std::uint64_t{64} << 20;
-  static constexpr std::uint64_t kDerivedBytes = std::uint64_t{256} << 20;
+  static constexpr std::uint64_t kDerivedBytes = std::uint64_t{1} << 30;
   MemoryBudget budget;
   DerivedCache derived{kDerivedBytes};
   StudySet study;

@@ -3,5 +3,6 @@
 #include "vernier/plan/Technique.h"
 
 namespace vernier::angiography {
-Technique nativeProjectionTechnique();
-}
+Technique sampledProjectionTechnique(Host&);
+Technique exactProjectionTechnique(Host&);
+}  // namespace vernier::angiography

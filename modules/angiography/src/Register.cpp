@@ -4,6 +4,10 @@
 
 namespace vernier::angiography {
 
-Result<void> registerAngiography(Host& host) { return host.addTechnique(nativeProjectionTechnique()); }
+Result<void> registerAngiography(Host& host) {
+  for (Technique t : {sampledProjectionTechnique(host), exactProjectionTechnique(host)})
+    if (Result<void> r = host.addTechnique(std::move(t)); !r) return r;
+  return {};
+}
 
 }  // namespace vernier::angiography

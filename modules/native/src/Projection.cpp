@@ -38,6 +38,7 @@ struct Painter {
 
 // What a pixel's ray has met so far.
 struct Along {
+  double toolsWeight = 0;                 // alphas of the tools, weakened alike
   glm::dvec3 tools{0};                    // colours of the tools, premultiplied
   double share = 1;                       // of what comes behind
   double grey = 0, value = 0, at_mm = 0;  // Max, Min
@@ -46,8 +47,6 @@ struct Along {
   double weakened = 0;                    // Attenuation: gain times the integral up to here
   bool covered = false;
 };
-
-double displayed(const ProjectionJob& job, double grey) { return job.invert ? 1 - grey : grey; }
 
 void addExtreme(const ProjectionJob& job, const Gathered& g, Along& a) {
   if (std::isnan(g.best)) return;
@@ -80,41 +79,37 @@ void addPart(const ProjectionJob& job, const Gathered& g, double from, Along& a)
 void addTool(const ProjectionJob& job, const SurfaceHits::Layer& layer, Along& a) {
   const double seen = a.share * (job.mode == ProjectionMode::Attenuation ? std::exp(-a.weakened) : 1);
   a.tools += seen * glm::dvec3(layer.r, layer.g, layer.b);
+  a.toolsWeight += seen * static_cast<double>(layer.alpha);
   a.share *= 1 - static_cast<double>(layer.alpha);
 }
 
-// The projection over what stands behind it, by the rules in the header. `end`: of the tool that ends the
-// ray.
-glm::dvec3 colourOf(const ProjectionJob& job, Along& a, const glm::dvec3* end) {
-  const glm::dvec3 background(job.background.r, job.background.g, job.background.b);
-  const glm::dvec3 tools = a.tools + (end ? a.share * *end : glm::dvec3(0));
+// The projection and the tools together, by the rules in the header. `end`: of the tool that ends the ray.
+glm::dvec3 combined(const ProjectionJob& job, Along& a, bool ended, const glm::dvec3& end) {
   switch (job.mode) {
-    case ProjectionMode::Sum: {
+    case ProjectionMode::Sum:
       a.value = job.gain_perMm * a.integral;
-      if (job.invert) return a.tools + a.share * (end ? *end : glm::dvec3(1)) - a.value;
-      return tools + (end ? glm::dvec3(0) : a.share * background) + a.value;
-    }
-    case ProjectionMode::Attenuation: {
+      return a.tools + a.share * end + a.value;
+    case ProjectionMode::Attenuation:
       a.value = a.weakened;
-      const double left = std::exp(-a.weakened);
-      const glm::dvec3 behind = end ? *end * left : glm::dvec3(displayed(job, left));
-      return a.tools + a.share * behind;
-    }
+      return a.tools + a.share * std::exp(-a.weakened) * (ended ? end : glm::dvec3(1));
     case ProjectionMode::Mean:
-      if (a.covered) {
-        a.value = a.integral / a.length_mm;
-        a.grey = applyVoi(job.window, a.value) * a.shareLength / a.length_mm;
-      }
+      a.value = a.integral / a.length_mm;
+      a.grey = applyVoi(job.window, a.value) * a.shareLength / a.length_mm;
       break;
     default:
       break;
   }
-  if (!a.covered) return tools + (end ? glm::dvec3(0) : a.share * background);
-  const glm::dvec3 seen(displayed(job, a.grey));
-  const bool withTools = end || a.share < 1;
-  if (!withTools) return seen;
-  return job.invert ? glm::min(seen, tools + (end ? glm::dvec3(0) : glm::dvec3(a.share)))
-                    : glm::max(seen, tools);
+  return a.tools + glm::max(glm::dvec3(a.grey), a.share * end);
+}
+
+// Inverted layers in complements, so that tools keep their colours.
+glm::dvec3 colourOf(const ProjectionJob& job, Along& a, bool ended, glm::dvec3 end) {
+  const glm::dvec3 background(job.background.r, job.background.g, job.background.b);
+  if (!a.covered) return a.tools + a.share * (ended ? end : background);
+  if (job.invert) a.tools = a.toolsWeight - a.tools;
+  if (job.invert && ended) end = 1.0 - end;
+  const glm::dvec3 colour = combined(job, a, ended, end);
+  return job.invert ? 1.0 - glm::clamp(colour, 0.0, 1.0) : colour;
 }
 
 void put(const Painter& p, std::size_t pixel, const glm::dvec3& colour, const Along& a, double end_mm) {
@@ -123,7 +118,7 @@ void put(const Painter& p, std::size_t pixel, const glm::dvec3& colour, const Al
   p.images.colour[4 * pixel + 3] = 1;
   double depth = a.covered ? a.at_mm : end_mm;
   const bool extreme = p.job.mode == ProjectionMode::Max || p.job.mode == ProjectionMode::Min;
-  const double own = displayed(p.job, a.grey);
+  const double own = p.job.invert ? 1 - a.grey : a.grey;
   if (extreme && a.covered && std::isfinite(end_mm) && colour != glm::dvec3(own)) depth = end_mm;
   p.images.depth[pixel] = static_cast<float>(depth);
   if (!p.images.values.empty())
@@ -162,7 +157,7 @@ void drawPixel(const Painter& p, int x, int y, RayHint& hint, ProjectionWork& wo
   if (ended)
     for (std::size_t c = 0; c < 3; ++c)
       end[static_cast<int>(c)] = static_cast<double>(tools->endColour[3 * pixel + c]);
-  put(p, pixel, colourOf(job, a, ended ? &end : nullptr), a, end_mm);
+  put(p, pixel, colourOf(job, a, ended, end), a, end_mm);
 }
 
 }  // namespace

@@ -191,7 +191,7 @@ HWY_INLINE void TakeBlock(Part& r, std::int64_t block, float least) {
       V cue =
           hn::MulAdd(t, hn::Set(d, static_cast<float>(r.cue.c1)), hn::Set(d, static_cast<float>(r.cue.c0)));
       if (r.cue.c2 != 0) cue = hn::Add(cue, hn::Div(hn::Set(d, static_cast<float>(r.cue.c2)), t));
-      score = hn::Mul(GreyOf(r.p, score), cue);
+      score = hn::Mul(GreyOf(r.p, score), hn::Min(cue, hn::Set(d, 1.0f)));
     }
     score = hn::IfThenElse(active, score, hn::Set(d, kNever));
     const float most = hn::GetLane(hn::MaxOfLanes(d, score));

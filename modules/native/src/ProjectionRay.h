@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the projection kernels share: a ray in voxels, and what one part of it amounts to.
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -46,7 +48,8 @@ inline Gather gatherOf(const ProjectionJob& job) {
 // The share that the depth cue leaves at a distance along a ray: c0 + c1 t + c2 / t. Falls with t.
 struct CueAlong {
   double c0 = 1, c1 = 0, c2 = 0;
-  double at(double t_mm) const { return c0 + c1 * t_mm + (c2 != 0 ? c2 / t_mm : 0); }
+  // What lies before the ramp's near end has all of it.
+  double at(double t_mm) const { return std::min(1.0, c0 + c1 * t_mm + (c2 != 0 ? c2 / t_mm : 0)); }
 };
 inline CueAlong cueAlong(const ProjectionJob& job, const VoxelRay& ray) {
   const double range = job.ramp.far_mm - job.ramp.near_mm;

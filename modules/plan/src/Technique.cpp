@@ -35,4 +35,6 @@ std::vector<const Technique*> TechniqueRegistry::drawing(const std::string& kind
 
 Result<void> Host::addPanel(Panel) { return {}; }
 
+DerivedCache& Host::derivedData() { return own_; }
+
 }  // namespace vernier

@@ -11,14 +11,16 @@
 //     integrals are exact for the cubic, cut where it crosses the window's ends.
 // Extrema leave out what cannot win, by bounds over bricks; the sum leaves out what emits nothing.
 //
-// Parts join front to back, with the share that the translucent tools before them let through:
-//   Max, Min: the part's grey times its share; the greatest of the parts (Min: of all, the least value; then
-//     as Max). Mean: one mean over all parts, times the mean of their shares, by length.
-//   Sum: emissions times their shares, added. Attenuation: everything behind is weakened.
-// Tools: Max, Min and Mean: the brighter of the projection and the tools' colour wins in each channel (of an
-// inverted layer the darker). Sum: is added to the tools' colour. Attenuation: the tools' colours are
-// weakened by what lies before them; where no tool ends the ray the background is 1. A ray that meets nothing
-// shows the scene's background; Attenuation: 1, nothing having weakened it.
+// Parts join front to back. A tool weakens every contribution behind it by 1 - alpha: T. K: the translucent
+// tools' own colours, weakened; E: T times the colour of the tool that ends the ray, 0 without one. A ray
+// with data shows, g being the window's grey:
+//   Max          K + max(greatest T g (1 - cue + cue z'), E), in each channel
+//   Min          K + max(least T g, E)
+//   Mean         K + max(g of the mean value * mean of T, E); means over the length with data
+//   Sum          K + gain * integral of T g + E
+//   Attenuation  every colour weakened by exp(-gain * integral of g before it), T times a background of 1
+//   invert       in complements: tools' colours c become 1 - c, then the pixel becomes 1 - pixel
+// A ray without data: K + E, or K + T times the scene's background.
 //
 // Frames: Pixel (centres at half-integers, row 0 on top), rays in patient mm by CameraPicture. Threads: tiles
 // by parallelFor, every pixel by itself: bit-equal for any number of threads. The stop token is read once per
@@ -66,8 +68,8 @@ VERNIER_API std::string whyNotExact(const ProjectionJob&);
 
 // Fills colour, depth (mm along the ray: Max and Min where the extremum lies, or the tool that ends the ray
 // when it is what is seen; else where the ray enters) and, when they have been allocated, values (Max, Min,
-// Mean: modality; Sum, Attenuation: gain times the integral; of the volume alone, tools leave no mark but
-// that they end the ray). Writes every pixel. Adds samples and cells to the counters.
+// Mean: modality; Sum, Attenuation: gain times the integral).
+// Writes every pixel. Adds samples and cells to the counters.
 VERNIER_API Result<void> drawProjection(const ProjectionJob&, Images&, std::stop_token = {});
 
 }  // namespace vernier::native

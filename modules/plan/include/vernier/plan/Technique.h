@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "vernier/base/Cache.h"
 #include "vernier/base/Result.h"
 #include "vernier/plan/Panel.h"
 #include "vernier/plan/Plan.h"
@@ -89,6 +90,12 @@ class VERNIER_API Host {
   // The GL device of the render thread, made on first use; GlUnavailable with the reason when there is none.
   // To be called inside execute() only.
   virtual Result<gpu::Device*> glDevice() = 0;
+  // Where techniques keep what they derive from volumes (bricks, meshes), for as long as the host lives.
+  // Thread-safe. A host without a cache of its own has a small one here.
+  virtual DerivedCache& derivedData();
+
+ private:
+  DerivedCache own_{256ull << 20};
 };
 
 class VERNIER_API TechniqueRegistry {
