@@ -10,7 +10,7 @@
 namespace vernier::quality {
 namespace {
 
-constexpr double kHair = 1e-7;
+constexpr double kHair = 1e-7, kBeside = 1e-12;
 
 Poly constant(double x) { return Poly{{x}, 0}; }
 Poly weightOf(const Piece& p) { return p.plain ? constant(1) : p.weight; }
@@ -72,9 +72,11 @@ double brightest(const Piece& piece, const VoiWindow& window, const Cue& cue, do
     return search.best;
   }
   const auto [lo, hi] = knotsOf(window);
-  // A hair beside a knot too: a window without width jumps there.
-  for (double u : placesOf(piece, hi))
-    for (double beside : {u - 1e-12, u, u + 1e-12}) search.look(std::clamp(beside, 0.0, 1.0));
+  std::vector<double> knots = placesOf(piece, hi);
+  if (hi == lo) knots.insert(knots.end(), {0, 1});
+  // A little beside a knot too: a window without width jumps there.
+  for (double u : knots)
+    for (double beside : {u - kBeside, u, u + kBeside}) search.look(std::clamp(beside, 0.0, 1.0));
   const Poly w = weightOf(piece), above = (piece.numerator - constant(lo) * w) * cue.numerator,
              below = w * cue.denominator;
   for (double u : rootsInside(derivative(above) * below - above * derivative(below))) search.look(u);

@@ -117,13 +117,18 @@ ShellsReference::Volume ShellsReference::sum(const VolumeRay& ray) const {
   return v;
 }
 
-// The face of a cell, or of a slice's hold, at which data begin: across the axis on which the place lies
-// nearest to one.
+// The face of a cell, or of a slice's hold (half a voxel), at which data begin: that which the ray passes
+// nearest to the place.
 glm::dvec3 ShellsReference::faceNormal(const VolumeRay& ray, double t_mm) const {
-  const glm::dvec3 p = 2.0 * rays_.voxelAt(ray, t_mm), off = glm::abs(p - glm::round(p));
-  const int axis = off.x <= off.y && off.x <= off.z ? 0 : off.y <= off.z ? 1 : 2;
-  const glm::dmat3 normals = glm::transpose(rays_.volume().voxelFromPatient().linear);
-  return glm::normalize(normals[axis]);
+  const glm::dmat3& toVoxel = rays_.volume().voxelFromPatient().linear;
+  const glm::dvec3 p = 2.0 * rays_.voxelAt(ray, t_mm), off_vox = glm::abs(p - glm::round(p)),
+                   perMm = glm::abs(toVoxel * ray.line.direction);
+  int nearest = 0;
+  double off_mm = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis)
+    if (perMm[axis] > 1e-12 && off_vox[axis] / perMm[axis] < off_mm)
+      nearest = axis, off_mm = off_vox[axis] / perMm[axis];
+  return glm::normalize(glm::transpose(toVoxel)[nearest]);
 }
 
 std::optional<RayTool> ShellsReference::firstShell(const VolumeRay& ray) const {
