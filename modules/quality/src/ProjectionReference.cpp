@@ -70,7 +70,9 @@ glm::dvec3 ProjectionReference::combined(const VolumeRay& ray, const Gathered& a
     const double reaching = attenuation ? std::exp(-sum) : 1;
     tools += reaching * ray.through[n] * ray.tools[n].opacity * ray.tools[n].colour;
   }
-  const glm::dvec3 behind = ray.backdrop(glm::dvec3(attenuation ? 1 : 0));
+  glm::dvec3 otherwise(attenuation ? 1 : 0);
+  if (layer_.mode == ProjectionMode::Sum && !invert_) otherwise = background_;
+  const glm::dvec3 behind = ray.backdrop(otherwise);
   switch (layer_.mode) {
     case ProjectionMode::Max:
       return tools + glm::max(glm::dvec3(all.brightest), behind);
@@ -94,7 +96,7 @@ VolumeSeen ProjectionReference::seen(glm::dvec2 pixel) const {
   VolumeSeen out;
   out.shown = all.length_mm > 0;
   out.covered = out.shown || ray.opaque || !ray.tools.empty();
-  if (!out.shown) {
+  if (!out.shown && !everywhere()) {
     out.colour = ray.backdrop(background_);
     for (std::size_t n = 0; n < ray.tools.size(); ++n)
       out.colour += ray.through[n] * ray.tools[n].opacity * ray.tools[n].colour;
@@ -124,9 +126,9 @@ std::uint64_t ProjectionReference::edgeKey(glm::dvec2 pixel) const {
 
 bool ProjectionReference::contributes(const LocalRange& values) const {
   if (values.min > values.max) return false;
-  // Without emission a maximum or a sum is as black as the background.
-  const bool emits = layer_.mode == ProjectionMode::Max || layer_.mode == ProjectionMode::Sum;
-  if (!emits || invert_ || background_ != glm::dvec3(0)) return true;
+  // Without emission a sum is as if nothing were there, and a maximum as black as the background.
+  const bool black = layer_.mode == ProjectionMode::Max && !invert_ && background_ == glm::dvec3(0);
+  if (!everywhere() && !black) return true;
   return windowGrey(rays_.window(), values.max) > 0;
 }
 

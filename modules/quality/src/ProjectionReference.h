@@ -35,6 +35,10 @@ class ProjectionReference {
     std::vector<double> emission_mm;          // integral of the grey, by how many tools are before it
   };
   Gathered gather(const VolumeRay&) const;
+  // Whether rays without data are as those with data of no emission.
+  bool everywhere() const {
+    return layer_.mode == ProjectionMode::Sum || layer_.mode == ProjectionMode::Attenuation;
+  }
   glm::dvec3 combined(const VolumeRay&, const Gathered&) const;
 
   VolumeRays rays_;

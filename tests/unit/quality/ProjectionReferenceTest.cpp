@@ -46,22 +46,24 @@ TEST(ProjectionReference, AloneClippedAndCropped) {
   for (const ProjectionMode mode : kAll) {
     SCOPED_TRACE(static_cast<int>(mode));
     VolumeScene s = projected(mode);
-    s.scene.background = {0.1, 0.3, 1};  // takes no part where there are data
-    expectPixel(s, alone(mode, 0.8, 0.2, 1.6, 3));
+    s.scene.background = {0.1, 0.3, 1};  // takes no part where there are data, but in a sum
+    const glm::dvec3 behind = mode == ProjectionMode::Sum ? glm::dvec3(0.1, 0.3, 1) : glm::dvec3(0);
+    expectPixel(s, alone(mode, 0.8, 0.2, 1.6, 3) + behind);
     VolumeScene clipped = s;
     clipped.clipBefore(1.5);
-    expectPixel(clipped, alone(mode, 0.6, 0.4, 0.75, 1.5));
+    expectPixel(clipped, alone(mode, 0.6, 0.4, 0.75, 1.5) + behind);
     VolumeScene cropped = s;
     cropped.crop(0.4, 2.6);
-    expectPixel(cropped, alone(mode, 0.8, 0.4, 1.248, 2.2));
+    expectPixel(cropped, alone(mode, 0.8, 0.4, 1.248, 2.2) + behind);
     cropped.clipBefore(1.5);  // 0.6 .. 0.4 .. 0.52
-    expectPixel(cropped, alone(mode, 0.6, 0.4, 0.25 + 0.276, 1.1));
+    expectPixel(cropped, alone(mode, 0.6, 0.4, 0.25 + 0.276, 1.1) + behind);
     VolumeScene near = s;
     near.scene.camera.near_mm = 11.5;  // y = 1.5
-    expectPixel(near, alone(mode, 0.6, 0.4, 0.75, 1.5));
+    expectPixel(near, alone(mode, 0.6, 0.4, 0.75, 1.5) + behind);
     VolumeScene nothing = s;
     nothing.clipBefore(3.5);
-    expectPixel(nothing, {0.1, 0.3, 1});
+    // A background of 1 that nothing has weakened, else the scene's.
+    expectPixel(nothing, mode == ProjectionMode::Attenuation ? glm::dvec3(1) : glm::dvec3(0.1, 0.3, 1));
     EXPECT_FALSE(pixelOf(nothing).covered);
     EXPECT_TRUE(pixelOf(s).covered);
   }
@@ -134,15 +136,20 @@ TEST(ProjectionReference, TranslucentBeforeOpaque) {
   }
 }
 
-TEST(ProjectionReference, ToolsWithoutDataStandOverTheBackground) {
-  for (const bool invert : {false, true}) {
-    VolumeScene s = projected(ProjectionMode::Sum);
-    s.projection().invert = invert;
-    s.scene.background = {0.1, 0.2, 0.3};
-    s.clipBefore(5);
-    s.sheet(1, 0.25, kRed);
-    expectPixel(s, {0.25 + 0.075, 0.15, 0.225});
-  }
+// Over the scene's background; a sum is taken from white, and an inverted radiograph starts at black.
+TEST(ProjectionReference, ToolsWithoutData) {
+  for (const bool invert : {false, true})
+    for (const ProjectionMode mode : kAll) {
+      VolumeScene s = projected(mode);
+      s.projection().invert = invert;
+      s.scene.background = {0.1, 0.2, 0.3};
+      s.clipBefore(5);
+      s.sheet(1, 0.25, kRed);
+      glm::dvec3 behind(0.1, 0.2, 0.3);
+      if (mode == ProjectionMode::Attenuation) behind = glm::dvec3(invert ? 0 : 1);
+      if (mode == ProjectionMode::Sum && invert) behind = glm::dvec3(1);
+      expectPixel(s, glm::dvec3(0.25, 0, 0) + 0.75 * behind);
+    }
 }
 
 TEST(ProjectionReference, InvertKeepsTheToolsColours) {
@@ -241,7 +248,7 @@ TEST(ProjectionReference, NoDataTakesNoPart) {
   VolumeScene none = projected(ProjectionMode::Attenuation);
   none.sources.volumes["v"] = floatVolume(info, [](auto, auto, auto) { return -5.0; });
   EXPECT_FALSE(pixelOf(none).covered);
-  expectPixel(none, {0, 0, 0});
+  expectPixel(none, {1, 1, 1});
 }
 
 // A gap after the second of four slices at 0, 1, 3, 4: held for half a step on both sides.

@@ -24,19 +24,23 @@
 //   Tools   have the colours of surfaces by themselves. T(t): product of 1 - alpha of the translucent ones
 //           before t. K: their own colours, sum of T alpha colour, of those before the first opaque one. E: T
 //           behind all of these, times the opaque one's colour; 0 where there is none.
-//   Shows   A projection shows something on a ray whose span has data of some length; shells where a shell or
-//           a cap is in the span (truth of Max: data). Where it shows nothing the pixel is K + E, or K + T
-//           times the scene's background where no tool is opaque. Where it shows something the scene's
-//           background takes no part, and the pixel is, g being the window's grey, 0..1:
+//   Shows   Max, Min and Mean show something on a ray whose span has data of some length, Sum and Attenuation
+//   on
+//           every ray; shells where a shell or a cap is in the span (truth of Max: data). Where nothing shows
+//           the pixel is K + E, or K + T times the scene's background where no tool is opaque. Where
+//           something shows the scene's background takes no part (but in Sum), and the pixel is, g being the
+//           window's grey, 0..1:
 //   Max          K + max(greatest of T g (1 - cue + cue z'), E), for each channel
 //   Min          K + max(least of T g, E)
 //   Mean         K + max(g of the mean value * mean of T, E); means over the length with data
-//   Sum          K + gain * integral of T g dt + E
-//   Attenuation  with A(t) = exp(-gain * integral of g up to t): sum of A T alpha colour of the translucent
-//                tools + A(end) E; E is T times a background of 1 where no tool is opaque
+//   Sum          K + gain * integral of T g dt + E; where no tool is opaque E is T times the scene's
+//   background Attenuation  with A(t) = exp(-gain * integral of g up to t): sum of A T alpha colour of the
+//   translucent
+//                tools + A(end) E; where no tool is opaque E is T times a background of 1
 //   invert       (and a volume that is itself inverted; both: neither) in complements: tools' colours c
-//                become 1 - c, the pixel is made as above, clamped to 0..1, and becomes 1 - pixel. So tools
-//                keep their colours, and a maximum gets dark over them
+//                become 1 - c, the pixel is made as above (Sum: E without the scene's background), clamped to
+//                0..1, and becomes 1 - pixel. So tools keep their colours, a maximum gets dark over them, and
+//                a sum is taken from white
 //   shells Max   b = T phi (beta0 + betaM (a z' + b)). Without an opaque tool K + max(greatest b, T beta0
 //                phi0); with one K + greatest b where a value before it reaches the lowest level (the volume
 //                replaces the tool, brighter or not), else K + E. Where nothing shows and no tool is opaque,
