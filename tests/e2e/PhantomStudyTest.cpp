@@ -15,6 +15,8 @@ TEST(PhantomStudy, WholeSeriesLoadWithTheirGeometryAndValues) {
       {"vessels", {{"scale", "0.25"}}},
       {"marschner-lobb", {}},
       {"gaussian-vessel", {}},
+      {"orbital", {{"oblique", "20"}}},
+      {"plume", {}},
       {"ruler", {{"scale", "0.25"}, {"oblique", "-30"}}},
       {"ruler", {{"scale", "0.5"}, {"pixel-aspect", "2"}, {"slice-aspect", "25"}}},
       {"shuffled", {}},

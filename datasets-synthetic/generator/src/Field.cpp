@@ -59,6 +59,49 @@ class GaussianVessel : public Field {
   double sigma_mm_, background_, peak_;
 };
 
+// Density of the hydrogen-like orbital n = 3, l = 2, m = 0 about z, scaled to its peak: psi is
+// (3 z^2 - r^2) exp(-r / (3 a)), greatest at z = 6 a.
+class Orbital : public Field {
+ public:
+  explicit Orbital(const Json& source) : radius_mm_(source.at("radius_mm")), peak_(source.at("peak")) {}
+  void row(const RowLine& line, std::span<double> value, std::span<double> noise) const override {
+    std::fill(noise.begin(), noise.end(), 0.0);
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      const glm::dvec3 p = (line.start_mm + static_cast<double>(i) * line.step_mm) / radius_mm_;
+      const double square = glm::dot(p, p), angular = (3.0 * p.z * p.z - square) / 72.0;
+      value[i] = peak_ * angular * angular * portableExp(4.0 - 2.0 * std::sqrt(square) / 3.0);
+    }
+  }
+
+ private:
+  double radius_mm_, peak_;
+};
+
+// A plume of Gaussian profile: its width grows evenly with the height over its source, its axis drifts along
+// x with the height's square, and each horizontal section holds as much as the others.
+class Plume : public Field {
+ public:
+  explicit Plume(const Json& source)
+      : from_mm_(vecOf(source.at("from_mm"))),
+        width_mm_(source.at("width_mm")),
+        widening_(source.at("widening")),
+        drift_perMm_(source.at("drift_per_mm")),
+        peak_(source.at("peak")) {}
+  void row(const RowLine& line, std::span<double> value, std::span<double> noise) const override {
+    std::fill(noise.begin(), noise.end(), 0.0);
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      const glm::dvec3 q = line.start_mm + static_cast<double>(i) * line.step_mm - from_mm_;
+      const double x = q.x - drift_perMm_ * q.z * q.z, width = width_mm_ + widening_ * q.z;
+      const double thinned = width_mm_ / width;
+      value[i] = peak_ * thinned * thinned * portableExp(-(x * x + q.y * q.y) / (2.0 * width * width));
+    }
+  }
+
+ private:
+  glm::dvec3 from_mm_;
+  double width_mm_, widening_, drift_perMm_, peak_;
+};
+
 }  // namespace
 
 glm::dmat3 rotationOf(glm::dvec3 deg) {
@@ -186,6 +229,8 @@ std::unique_ptr<const Field> makeField(const Json& recipe, std::uint64_t seed,
   }
   if (kind == "marschner-lobb") return std::make_unique<MarschnerLobb>(source);
   if (kind == "gaussian-vessel") return std::make_unique<GaussianVessel>(source);
+  if (kind == "orbital") return std::make_unique<Orbital>(source);
+  if (kind == "plume") return std::make_unique<Plume>(source);
   throw std::invalid_argument("recipe: unknown source kind " + kind);
 }
 

@@ -18,7 +18,6 @@ constexpr double kLevels = 255;
 struct Sample {
   double error = 0;  // levels of 255
   bool edge = false;
-  bool covered = false;
   std::optional<SliceValue> value;
 };
 
@@ -34,10 +33,11 @@ double levelsBetween(const float* rgba, const glm::dvec4& truth) {
   return kLevels * worst;
 }
 
-bool atEdge(const Layers& layers, glm::dvec2 pixel, bool covered) {
+bool atEdge(const Layers& layers, glm::dvec2 pixel) {
+  const std::uint64_t key = layers.edgeKey(pixel);
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx)
-      if ((dx != 0 || dy != 0) && layers.covers(pixel + glm::dvec2(dx, dy)) != covered) return true;
+      if ((dx != 0 || dy != 0) && layers.edgeKey(pixel + glm::dvec2(dx, dy)) != key) return true;
   return false;
 }
 
@@ -132,8 +132,7 @@ Result<ErrorReport> measureError(const Frame& frame, const Scene& scene, const V
       Sample& s = samples[n];
       const ReferencePixel truth = layers->at(pixel, withValues ? &s.value : nullptr);
       s.error = levelsBetween(&frame.images.colour[4 * pixels[n]], truth.rgba);
-      s.covered = truth.covered;
-      s.edge = atEdge(*layers, pixel, truth.covered);
+      s.edge = atEdge(*layers, pixel);
     }
   });
   if (stop.stop_requested()) return makeError(ErrorCode::Cancelled, "The error measurement was cancelled.");

@@ -4,31 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "Gauss.h"
+
 namespace vernier::quality {
 namespace {
 
 std::size_t idx(std::int64_t n) { return static_cast<std::size_t>(n); }
-
-// Gauss-Legendre with 8 points on [a, b].
-template <class Fn>
-double gauss8(const Fn& f, double a, double b) {
-  static constexpr double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
-                                  0.9602898564975363};
-  static constexpr double w[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
-                                  0.1012285362903763};
-  const double mid = 0.5 * (a + b), half = 0.5 * (b - a);
-  double sum = 0;
-  for (int n = 0; n < 4; ++n) sum += w[n] * (f(mid - half * x[n]) + f(mid + half * x[n]));
-  return sum * half;
-}
-
-template <class Fn>
-double integral(const Fn& f, double a, double b, double whole, int depth) {
-  const double mid = 0.5 * (a + b);
-  const double left = gauss8(f, a, mid), right = gauss8(f, mid, b);
-  if (depth == 0 || std::abs(left + right - whole) <= 1e-12 * (1 + std::abs(whole))) return left + right;
-  return integral(f, a, mid, left, depth - 1) + integral(f, mid, b, right, depth - 1);
-}
 
 // Where the line x0 + dx * t crosses the cell faces of an axis with n samples, for t in (t0, t1).
 void addCrossings(double x0, double dx, std::int64_t n, bool nearest, double t0, double t1,
@@ -68,7 +49,7 @@ LocalRange Piece::extremes() const {
 }
 
 double Piece::mean() const {
-  if (!plain) return integral(*this, 0, 1, gauss8(*this, 0, 1), 12);
+  if (!plain) return integral(*this, 0, 1);
   double sum = 0;
   for (int n = 0; n <= numerator.degree; ++n) sum += numerator.c[static_cast<std::size_t>(n)] / (n + 1);
   return sum;
@@ -216,6 +197,37 @@ std::optional<double> Field::at(glm::dvec3 p, LocalRange* range) const {
   }
   const double sum = value[0] + k->f0 * (value[1] - value[0]);
   return w == 1 ? sum : sum / w;
+}
+
+glm::dvec3 Field::gradient(glm::dvec3 p, glm::dvec3 cell) const {
+  const auto k = sliceSpanOf(cell.z, p.z, p.z);
+  if (!k) return glm::dvec3(0);
+  // Of a slice: value and derivatives along columns and rows, of the numerator and of the weight.
+  struct Plane {
+    glm::dvec3 value{0}, weight{0};
+  };
+  const auto planeOf = [&](std::int64_t slice) {
+    const Corners c = cornersOf(slice, cell, p, p, nullptr);
+    const double x = c.x.f0, y = c.y.f0, dx = c.x.hi > c.x.lo ? 1 : 0, dy = c.y.hi > c.y.lo ? 1 : 0;
+    const auto of = [&](auto f) {
+      const double upper = f(0) + x * (f(1) - f(0)), lower = f(2) + x * (f(3) - f(2));
+      return glm::dvec3(dx * ((1 - y) * (f(1) - f(0)) + y * (f(3) - f(2))), dy * (lower - upper),
+                        upper + y * (lower - upper));
+    };
+    return Plane{of([&](std::size_t n) { return c.value[n]; }),
+                 of([&](std::size_t n) { return c.valid[n] ? 1.0 : 0.0; })};
+  };
+  const Plane a = planeOf(k->lo), b = k->hi == k->lo ? a : planeOf(k->hi);
+  const GridGeometry& g = v_.grid();
+  const double height =
+      g.even() || k->hi == k->lo ? 1 : g.sliceOrigin_vox[idx(k->hi)].z - g.sliceOrigin_vox[idx(k->lo)].z;
+  // x and y: derivatives; z: the value itself.
+  const glm::dvec3 value = a.value + k->f0 * (b.value - a.value),
+                   weight = a.weight + k->f0 * (b.weight - a.weight);
+  if (weight.z < kLeastWeight) return glm::dvec3(0);
+  const glm::dvec3 dValue(value.x, value.y, (b.value.z - a.value.z) / height),
+      dWeight(weight.x, weight.y, (b.weight.z - a.weight.z) / height);
+  return (dValue * weight.z - value.z * dWeight) / (weight.z * weight.z);
 }
 
 std::vector<double> Field::cuts(glm::dvec3 origin, glm::dvec3 step) const {

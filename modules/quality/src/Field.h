@@ -49,6 +49,9 @@ class Field {
   // `range`, when given, takes in the modality values of the corners.
   std::optional<double> at(glm::dvec3 p_vox, LocalRange* range = nullptr) const;
 
+  // Per voxel step, of the linear field in the cell around `cell_vox`, continued to p_vox; 0 without data.
+  glm::dvec3 gradient(glm::dvec3 p_vox, glm::dvec3 cell_vox) const;
+
   // Calls fn(piece) for each piece of origin + t * step, t in [0, 1], that has data, in ascending order,
   // until it returns false.
   template <class Fn>

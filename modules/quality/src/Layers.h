@@ -5,6 +5,8 @@
 
 #include "CurvedReference.h"
 #include "ImageReference.h"
+#include "ProjectionReference.h"
+#include "ShellsReference.h"
 #include "SliceReference.h"
 #include "SurfaceReference.h"
 
@@ -16,15 +18,24 @@ class Layers {
   // `value`, when given, takes what the layer that shows there says of its value, when it reads a volume.
   ReferencePixel at(glm::dvec2 pixel, std::optional<SliceValue>* value = nullptr) const;
   bool covers(glm::dvec2 pixel) const;
+  // Differs between two pixels where an edge runs between them.
+  std::uint64_t edgeKey(glm::dvec2 pixel) const;
 
   struct Prepared {
-    std::variant<SliceReference, CurvedReference, ImageReference, SurfaceReference, PixelTruth>
-        layer;  // all surfaces are one
+    // All surfaces are one; those among a layer that looks through a volume are its tools.
+    std::variant<SliceReference, CurvedReference, ImageReference, SurfaceReference, ProjectionReference,
+                 ShellsReference, PixelTruth>
+        layer;
     int samples = 0;
     const VolumeReading* reading() const;  // nullptr: a stored frame, or a plugin's layer
     // A plugin's layer has no value and covers nothing.
     std::optional<SliceValue> value(glm::dvec2 pixel) const;
     bool covers(glm::dvec2 pixel) const;
+    std::uint64_t edgeKey(glm::dvec2 pixel) const;
+    // What a layer that looks through a volume shows, with its tools and background; nullopt: no such layer.
+    std::optional<VolumeSeen> seen(glm::dvec2 pixel) const;
+    const VolumeRays* rays() const;  // of such a layer; and whether voxels of a range can show something:
+    bool contributes(const LocalRange&) const;
     // What is shown over `background`; nullopt: nothing. The value, where there is one, to `valueOut`.
     std::optional<glm::dvec3> shown(glm::dvec2 pixel, glm::dvec3 background,
                                     std::optional<SliceValue>* valueOut) const;

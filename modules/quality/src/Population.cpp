@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "Bricks.h"
+
 namespace vernier::quality {
 namespace {
 
@@ -119,6 +121,14 @@ void fillSurfaces(const SurfaceReference& surfaces, const View& view, std::vecto
   }
 }
 
+void fillBricks(const VolumeRays& rays, const Layers::Prepared& layer, const View& view,
+                std::vector<char>& mask) {
+  const BrickOutlines bricks =
+      brickOutlines(rays, [&](const LocalRange& values) { return layer.contributes(values); });
+  if (bricks.everywhere) std::fill(mask.begin(), mask.end(), 1);
+  for (const auto& corners : bricks.corners_px) fill({corners.begin(), corners.end()}, view, mask);
+}
+
 // Columns are lines: the rows at which each passes through the volume's box, widened by half a slab. With
 // their neighbours, which is the dilation along x.
 void fillCurved(const CurvedReference& curved, const View& view, std::vector<char>& mask) {
@@ -168,6 +178,10 @@ std::vector<std::size_t> population(const Layers& layers, const View& view) {
       known = true;
     } else if (const auto* surfaces = std::get_if<SurfaceReference>(&p.layer)) {
       fillSurfaces(*surfaces, view, mask);
+      known = true;
+    } else if (const VolumeRays* rays = p.rays()) {
+      fillBricks(*rays, p, view, mask);
+      fillSurfaces(rays->surfaces(), view, mask);
       known = true;
     } else if (const auto* image = std::get_if<ImageReference>(&p.layer)) {
       const auto [a, b] = image->outline();

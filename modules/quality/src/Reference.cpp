@@ -21,14 +21,30 @@ Result<void> checkView(const View& view) {
   return {};
 }
 
-}  // namespace
-
-namespace {
-
 // Beside a slice or a frame, surfaces are outlines, which are drawn after the error is taken.
 bool onlySurfaces(const Scene& scene) {
   return std::all_of(scene.layers.begin(), scene.layers.end(),
                      [](const Layer& l) { return std::holds_alternative<SurfaceLayer>(l); });
+}
+
+// A camera in space and pictures that lie flat have no common truth, nor have two accumulators on one ray.
+Result<void> checkVolumes(const Scene& scene) {
+  std::size_t through = 0, flat = 0;
+  for (const Layer& l : scene.layers) {
+    if (std::holds_alternative<ProjectionLayer>(l) || std::holds_alternative<ShellsLayer>(l)) ++through;
+    if (std::holds_alternative<SliceLayer>(l) || std::holds_alternative<CurvedLayer>(l) ||
+        std::holds_alternative<ImageLayer>(l))
+      ++flat;
+  }
+  if (through > 1)
+    return makeError(ErrorCode::NotBuiltYet,
+                     "The reference looks through one volume layer at a time; the scene has " +
+                         std::to_string(through) + ", so no error is measured.");
+  if (through == 1 && flat > 0)
+    return makeError(ErrorCode::NotBuiltYet,
+                     "The reference does not mix a look through a volume with slices or stored frames, so no "
+                     "error is measured.");
+  return {};
 }
 
 }  // namespace
@@ -37,6 +53,7 @@ Result<Layers> Layers::make(const Scene& scene, const View& view, const Sources&
                             const ReferenceOptions& options) {
   if (auto r = checkView(view); !r) return r.error();
   if (!(options.step > 0)) return makeError(ErrorCode::SceneInvalid, "The sampling step must be above 0.");
+  if (auto r = checkVolumes(scene); !r) return r.error();
   Layers all;
   all.background_ = glm::dvec3(scene.background.r, scene.background.g, scene.background.b);
   for (std::size_t n = 0; n < scene.layers.size(); ++n) {
@@ -72,6 +89,15 @@ Result<Layers::Prepared> Layers::prepare(const Scene& scene, const Layer& layer,
     return taken(CurvedReference::make(scene, *curved, view, sources));
   if (const auto* image = std::get_if<ImageLayer>(&layer))
     return taken(ImageReference::make(scene, *image, view, sources));
+  if (options.kind == ErrorKind::Implementation)
+    return makeError(ErrorCode::NotBuiltYet,
+                     "Of layers of kind '" + kindOf(layer) +
+                         "' the reference knows the continuous truth only (the model error); how a technique "
+                         "samples is for its own tests.");
+  if (const auto* projection = std::get_if<ProjectionLayer>(&layer))
+    return taken(ProjectionReference::make(scene, *projection, view, sources));
+  if (const auto* shells = std::get_if<ShellsLayer>(&layer))
+    return taken(ShellsReference::make(scene, *shells, view, sources));
   return makeError(ErrorCode::NotBuiltYet, "The reference cannot draw layers of kind '" + kindOf(layer) +
                                                "' yet, so no error is measured.");
 }
@@ -94,8 +120,27 @@ bool Layers::Prepared::covers(glm::dvec2 pixel) const {
   if (const auto* slice = std::get_if<SliceReference>(&layer)) return slice->covers(pixel, samples);
   if (const auto* curved = std::get_if<CurvedReference>(&layer)) return curved->covers(pixel, samples);
   if (const auto* surfaces = std::get_if<SurfaceReference>(&layer)) return surfaces->covers(pixel);
+  if (const auto v = seen(pixel)) return v->covered;
   const auto* image = std::get_if<ImageReference>(&layer);
   return image && image->covers(pixel);
+}
+
+std::uint64_t Layers::Prepared::edgeKey(glm::dvec2 pixel) const {
+  if (const auto* projection = std::get_if<ProjectionReference>(&layer)) return projection->edgeKey(pixel);
+  if (const auto* shells = std::get_if<ShellsReference>(&layer)) return shells->edgeKey(pixel);
+  return covers(pixel) ? 1 : 0;
+}
+
+std::optional<VolumeSeen> Layers::Prepared::seen(glm::dvec2 pixel) const {
+  if (const auto* projection = std::get_if<ProjectionReference>(&layer)) return projection->seen(pixel);
+  if (const auto* shells = std::get_if<ShellsReference>(&layer)) return shells->seen(pixel);
+  return std::nullopt;
+}
+
+const VolumeRays* Layers::Prepared::rays() const {
+  if (const auto* projection = std::get_if<ProjectionReference>(&layer)) return &projection->rays();
+  if (const auto* shells = std::get_if<ShellsReference>(&layer)) return &shells->rays();
+  return nullptr;
 }
 
 std::optional<glm::dvec3> Layers::Prepared::shown(glm::dvec2 pixel, glm::dvec3 background,
@@ -113,8 +158,22 @@ std::optional<glm::dvec3> Layers::Prepared::shown(glm::dvec2 pixel, glm::dvec3 b
   return r && *valueOut ? std::optional(glm::dvec3(r->grey((*valueOut)->value))) : std::nullopt;
 }
 
+bool Layers::Prepared::contributes(const LocalRange& values) const {
+  if (const auto* projection = std::get_if<ProjectionReference>(&layer))
+    return projection->contributes(values);
+  const auto* shells = std::get_if<ShellsReference>(&layer);
+  return shells && shells->contributes(values);
+}
+
 bool Layers::covers(glm::dvec2 pixel) const {
   return std::any_of(layers_.begin(), layers_.end(), [&](const Prepared& p) { return p.covers(pixel); });
+}
+
+std::uint64_t Layers::edgeKey(glm::dvec2 pixel) const {
+  // A look through a volume is the only layer but for plugins'.
+  for (const Prepared& p : layers_)
+    if (p.rays()) return p.edgeKey(pixel);
+  return covers(pixel) ? 1 : 0;
 }
 
 // Later layers lie over earlier ones: those of volumes and frames opaque where they have data, a plugin's as
@@ -137,6 +196,13 @@ ReferencePixel Layers::ground(glm::dvec2 pixel, std::optional<SliceValue>* value
       const SurfaceReference::Seen seen = surfaces->seen(pixel, background_);
       out.rgba = glm::dvec4(seen.colour, 1);
       out.covered = seen.covered;
+      above = static_cast<std::size_t>(layers_.rend() - p);
+      break;
+    }
+    if (const auto seen = p->seen(pixel)) {
+      out.rgba = glm::dvec4(seen->colour, 1);
+      out.covered = seen->covered;
+      if (seen->value) out.value = *seen->value;
       above = static_cast<std::size_t>(layers_.rend() - p);
       break;
     }
@@ -180,7 +246,8 @@ Result<std::vector<std::optional<SliceValue>>> sliceValues(const Scene& scene, s
                                                            std::span<const glm::dvec2> points_px,
                                                            const ReferenceOptions& options) {
   if (auto r = checkView(view); !r) return r.error();
-  if (layer >= scene.layers.size() || std::holds_alternative<ImageLayer>(scene.layers[layer]))
+  if (layer >= scene.layers.size() || !(std::holds_alternative<SliceLayer>(scene.layers[layer]) ||
+                                        std::holds_alternative<CurvedLayer>(scene.layers[layer])))
     return makeError(ErrorCode::SceneInvalid,
                      "Layer " + std::to_string(layer) + " of the scene is no slice or curved reformat.");
   const auto prepared = Layers::prepare(scene, scene.layers[layer], view, sources, options);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace vernier::quality {
 namespace {
@@ -16,8 +15,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // The definition of RENDERING's surfaces, written again here: shares of the headlight, and what counts as one
 // place.
 constexpr double kAmbientShare = 0.2, kDiffuseShare = 0.8, kOnePlace = 1e-9;
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180; }
 
 struct Target {
   glm::dvec3 centre{0};
@@ -43,8 +40,10 @@ bool onePlace(double a, double b) { return std::abs(a - b) <= kOnePlace * std::m
 
 }  // namespace
 
-Result<SurfaceReference> SurfaceReference::make(const Scene& scene, const View& view,
-                                                const Sources& sources) {
+double shareOfHeadlight(double cosine) { return std::min(1.0, kAmbientShare + kDiffuseShare * cosine); }
+
+Result<SurfaceReference> SurfaceReference::make(const Scene& scene, const View& view, const Sources& sources,
+                                                const RayCamera* given) {
   std::vector<const SurfaceLayer*> layers;
   for (const Layer& layer : scene.layers)
     if (const auto* surface = std::get_if<SurfaceLayer>(&layer)) {
@@ -53,34 +52,16 @@ Result<SurfaceReference> SurfaceReference::make(const Scene& scene, const View& 
                          "The surface '" + surface->source + "' of a layer is not among the sources.");
       layers.push_back(surface);
     }
-  const Target box = boxOf(layers, sources);
-  const vernier::Camera& c = scene.camera;
-  const double a = radians(c.azimuth_deg), e = radians(c.elevation_deg), r = radians(c.roll_deg),
-               half = radians(c.fov_deg / 2);
-  const glm::dvec3 towards(std::sin(a) * std::cos(e), -std::cos(a) * std::cos(e), std::sin(e));
-  const glm::dvec3 right0(std::cos(a), std::sin(a), 0), up0 = glm::cross(towards, right0);
-
   SurfaceReference out;
-  Camera& camera = out.camera_;
-  camera.perspective = c.projection == Projection::Perspective;
-  camera.forward = -towards;
-  camera.right = right0 * std::cos(r) - up0 * std::sin(r);
-  camera.down = -(up0 * std::cos(r) + right0 * std::sin(r));
-  camera.near_mm = c.near_mm;
-  camera.middle = {view.width_px / 2.0, view.height_px / 2.0};
-  double distance = box.diagonal;
-  if (camera.perspective)
-    distance = c.height_mm ? *c.height_mm / 2 / std::tan(half) : box.diagonal / 2 / std::sin(half);
-  distance = c.distance_mm.value_or(distance);
-  camera.eye = (c.target ? c.target->p : box.centre) + towards * distance + camera.right * c.pan_mm.x -
-               camera.down * c.pan_mm.y;
-  const double height = camera.perspective ? 2 * std::tan(half) : c.height_mm.value_or(box.diagonal);
-  camera.step = height / c.zoom / view.height_px;
-  if (!(camera.step > 0) || !std::isfinite(camera.step) ||
-      !std::isfinite(camera.eye.x + camera.eye.y + camera.eye.z))
-    return makeError(ErrorCode::SceneInvalid, "The camera's scale or place is not a finite number.",
-                     "/camera");
-
+  if (given) {
+    out.camera_ = *given;
+  } else {
+    const Target box = boxOf(layers, sources);
+    const auto camera = RayCamera::make(scene.camera, view, box.centre, box.diagonal);
+    if (!camera) return camera.error();
+    out.camera_ = *camera;
+  }
+  const RayCamera& camera = out.camera_;
   for (std::size_t n = 0; n < layers.size(); ++n) {
     const SurfaceLayer& layer = *layers[n];
     out.layers_.push_back({{layer.colour.r, layer.colour.g, layer.colour.b}, layer.opacity});
@@ -214,15 +195,19 @@ std::vector<SurfaceHit> SurfaceReference::hits(glm::dvec2 pixel) const {
   return found;
 }
 
+SurfaceReference::Look SurfaceReference::lookOf(const SurfaceHit& hit) const {
+  const Look& look = layers_[hit.layer];
+  return {shareOfHeadlight(hit.cosine) * look.colour, look.opacity};
+}
+
 SurfaceReference::Seen SurfaceReference::seen(glm::dvec2 pixel, glm::dvec3 background) const {
   Seen out;
   out.depth_mm = kInfinity;
   double through = 1;
   for (const SurfaceHit& hit : hits(pixel)) {
-    const Look& look = layers_[hit.layer];
+    const Look look = lookOf(hit);
     out.covered = true;
-    out.colour +=
-        through * look.opacity * std::min(1.0, kAmbientShare + kDiffuseShare * hit.cosine) * look.colour;
+    out.colour += through * look.opacity * look.colour;
     through *= 1 - look.opacity;
     if (look.opacity < 1) continue;
     out.depth_mm = hit.t_mm;

@@ -9,9 +9,8 @@
 #include <memory>
 #include <vector>
 
-#include "vernier/plan/Scene.h"
+#include "RayCamera.h"
 #include "vernier/plan/Technique.h"
-#include "vernier/plan/View.h"
 
 namespace vernier::quality {
 
@@ -22,13 +21,22 @@ struct SurfaceHit {
   double cosine = 0;         // between ray and normal, never negative
 };
 
+// What the headlight leaves of a colour, by the cosine between ray and normal.
+double shareOfHeadlight(double cosine);
+
 class SurfaceReference {
  public:
-  static Result<SurfaceReference> make(const Scene&, const View&, const Sources&);
+  // Without a camera: that of surfaces alone. With a camera there may be none.
+  static Result<SurfaceReference> make(const Scene&, const View&, const Sources&, const RayCamera* = nullptr);
 
   // All hits of the pixel's ray, nearest first; of those at one place the later layer first.
   std::vector<SurfaceHit> hits(glm::dvec2 pixel) const;
   bool covers(glm::dvec2 pixel) const { return !hits(pixel).empty(); }
+  struct Look {
+    glm::dvec3 colour;
+    double opacity;
+  };
+  Look lookOf(const SurfaceHit&) const;  // lit
   // Over the background, and whether anything was hit.
   struct Seen {
     glm::dvec3 colour{0};
@@ -42,13 +50,6 @@ class SurfaceReference {
   bool corners(std::size_t triangle, std::array<glm::dvec2, 3>& px) const;
 
  private:
-  struct Camera {
-    bool perspective = false;
-    glm::dvec3 eye{0}, right{0}, down{0}, forward{0};  // unit
-    double step = 1;                                   // of a pixel: mm, or per mm of depth
-    double near_mm = 0;
-    glm::dvec2 middle{0};
-  };
   struct Placed {
     std::array<glm::dvec3, 3> p;  // right, down, forward of the eye, mm
     std::size_t layer, triangle;
@@ -65,11 +66,7 @@ class SurfaceReference {
   void build(std::size_t begin, std::size_t end);
   bool meets(const Ray&, const Placed&, SurfaceHit&) const;
 
-  Camera camera_;
-  struct Look {
-    glm::dvec3 colour;
-    double opacity;
-  };
+  RayCamera camera_;
   std::vector<Look> layers_;
   std::vector<Placed> triangles_;
   std::vector<Node> nodes_;

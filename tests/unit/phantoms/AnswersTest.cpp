@@ -233,6 +233,58 @@ TEST(GaussianVesselPhantom, IsTheFormulaForEachSigma) {
   }
 }
 
+TEST(OrbitalPhantom, IsTheFormulaWhateverTheGrid) {
+  for (const char* oblique : {"0", "25"}) {
+    TempDir dir;
+    const Written w = writeAndRead(dir.path(), "orbital", {{"oblique", oblique}});
+    ASSERT_EQ(w.files.size(), 64u);
+    double alongAxis = 0;
+    for (const ReadFile& f : w.files) {
+      ASSERT_EQ(f.rows, 64);
+      ASSERT_EQ(f.columns, 64);
+      for (int row = 0; row < 64; ++row) {
+        for (int column = 0; column < 64; ++column) {
+          double p[3];
+          for (int a = 0; a < 3; ++a)
+            p[a] = f.origin[a] + column * f.orientation[a] + row * f.orientation[3 + a];
+          const double r = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+          const double psi = (3 * p[2] * p[2] - r * r) * std::exp(-r / 4.5);
+          const double peak = 2 * 81 * std::exp(-2.0);  // at z = 9
+          ASSERT_NEAR(f.at(column, row), 10000 * psi * psi / (peak * peak), 0.5 + 1e-6);
+          if (std::fabs(p[0]) < 0.6 && std::fabs(p[1]) < 0.6) alongAxis += f.at(column, row) / 4.0;
+        }
+      }
+    }
+    // The four lines of voxels around the axis, 0.7 mm from it, hold less than the axis itself.
+    if (std::string(oblique) == "0") {
+      EXPECT_NEAR(alongAxis, 229920.1, 6000);
+      EXPECT_LT(alongAxis, 229920.1);
+    }
+  }
+}
+
+TEST(PlumePhantom, IsTheFormulaAndHoldsAsMuchAtEveryHeight) {
+  TempDir dir;
+  const Written w = writeAndRead(dir.path(), "plume");
+  ASSERT_EQ(w.files.size(), 51u);
+  for (const ReadFile& f : w.files) {
+    ASSERT_EQ(f.rows, 21);
+    ASSERT_EQ(f.columns, 21);
+    const double h = f.origin[2] + 50, s = 3 + 0.05 * h, axis = -4 + 0.0006 * h * h;
+    double section = 0;
+    for (int row = 0; row < 21; ++row) {
+      for (int column = 0; column < 21; ++column) {
+        const double x = f.origin[0] + 2 * column - axis, y = f.origin[1] + 2 * row;
+        ASSERT_NEAR(f.at(column, row), 90000 / (s * s) * std::exp(-(x * x + y * y) / (2 * s * s)),
+                    0.5 + 1e-6);
+        section += 4.0 * f.at(column, row);
+      }
+    }
+    // The higher, the more of its flanks lies outside of the grid.
+    EXPECT_NEAR(section, 10000 * 2 * M_PI * 9, 10000 * 2 * M_PI * 9 * (h < 40 ? 0.002 : 0.05)) << h;
+  }
+}
+
 // Noise has the stated mean and spread, and the head's tissues their values.
 TEST(CtHeadPhantom, TissuesHaveTheirStatedMeanAndNoise) {
   TempDir dir;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The truth that pictures are measured against: pixels of a scene in double precision, each on its own, at
 // the pixel's centre. Slices and images; surfaces by themselves (beside a slice they are outlines, which no
-// error is taken of); layers of plugins that bring their own truth. A scene with any other layer is refused
-// (NotBuiltYet).
+// error is taken of); one layer that looks through a volume, with the surfaces as its tools; layers of
+// plugins that bring their own truth. A scene with any other layer or mixture is refused (NotBuiltYet).
 //
-// Shares with the engines only the scene, voxel access and the default window: camera and plane geometry,
-// interpolation (GridGeometry.h: true slice positions, gaps, border held for half a voxel, no-data
-// renormalised over the valid corners), windows (PS3.3 C.11.2.1.2) and compositing are its own.
+// Shares with the engines only the scene, voxel access, the default window and a set of shells' levels:
+// camera and plane geometry, interpolation (GridGeometry.h: true slice positions, gaps, border held for half
+// a voxel, no-data renormalised over the valid corners), windows (PS3.3 C.11.2.1.2) and compositing are its
+// own.
 //
 // A slab is the line through [-T/2, T/2] along the normal, cut at every cell face, gap and border. Along each
 // piece a trilinear field is a cubic (next to no-data a ratio of two cubics): its maximum and minimum come
@@ -15,8 +16,50 @@
 //
 // Surfaces: every triangle that the pixel's ray meets, in double, in order along the ray.
 //
+// Layers that look through a volume. On a pixel's ray, distances in mm from the lattice's origin:
+//   Span   what lies in the closed box of voxel centres, the crop box and the clip planes, not before
+//          the near distance or the eye, and before the first opaque tool. Tools are not cut. Within
+//          it the field is that of slices: nearest or trilinear, no-data renormalised over the valid
+//          corners, gaps empty.
+//   Tools  have the colours of surfaces by themselves. T(t): product of 1 - alpha of the translucent
+//          ones before t. K: sum of T alpha colour of those before the first opaque one. E: T behind
+//          all of these times the opaque one's colour; 0 where there is none.
+//   Shows  Max, Min and Mean show something on a ray whose span has data of some length, Sum and
+//          Attenuation on every ray; shells where a shell or a cap is in the span (truth of Max: data).
+// Where nothing shows the pixel is K + E, or K + T times the scene's background where no tool is opaque.
+// Where something shows the scene's background takes no part (but in Sum), and the pixel is, in each
+// channel, g being the window's grey, 0..1:
+//   Max          K + max(greatest of T g (1 - cue + cue z'), E)
+//   Min          K + max(least of T g, E)
+//   Mean         K + max(g of the mean value * mean of T, E); means over the length with data
+//   Sum          K + gain * integral of T g dt + E, where E without an opaque tool is T times the
+//                scene's background
+//   Attenuation  with A(t) = exp(-gain * integral of g up to t): sum of A T alpha colour of the
+//                translucent tools + A(end) E, where E without an opaque tool is T times 1
+//   invert       (and a volume that is itself inverted; both: neither) in complements: tools' colours
+//                c become 1 - c, the pixel is made as above (Sum: without the scene's background),
+//                clamped to 0..1, and becomes 1 - pixel. So tools keep their colours, a maximum gets
+//                dark over them, and a sum is taken from white.
+//   shells Max   b = T phi (beta0 + betaM (a z' + b)). Without an opaque tool K + max(greatest b,
+//                T beta0 phi0). With one K + greatest b where a value before it reaches the lowest
+//                level (the volume replaces the tool, brighter or not), else K + E. Where nothing
+//                shows the scene's background is max(background, beta0 phi0). Truth: b of every
+//                point, phi being the grey of its value; not of levels only.
+//   shells Sum   K + sum of b over all crossings of levels, in and out + E
+//   shells Lit   the first crossing is an opaque tool, lit as tools are, by the field's gradient
+//   colour       of shells multiplies all their b, and phi0
+//   Caps         where the span or its data begin and end all levels <= the value there are crossed
+//                (Lit: with the normal of the face); not where an opaque tool ends it
+// Disabled levels are none. z' is clamped to 0..1: what lies between eye and the ramp's near depth has 1.
+// Sums and shells may exceed 1; displays clamp.
+//
+// Max, Min: roots of each cell's cubic. Cue: the product with the ramp is a rational function whose
+// derivative's numerator is solved (exact but for rounding); with a sigmoid window bracketed to 1e-9. Sum:
+// cut at the window's knots. Only the model error is known of these layers: Implementation is refused.
+//
 // Thread-safe; spreads the pixels with parallelFor. Errors: SceneInvalid (a source is missing, a pixel lies
-// outside the picture), PlaneDegenerate, NotBuiltYet, Cancelled.
+// outside the picture), GeometryRefused (a look through a single slice), PlaneDegenerate, NotBuiltYet,
+// Cancelled.
 #pragma once
 #include <cstddef>
 #include <limits>

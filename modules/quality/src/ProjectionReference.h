@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One projection layer, with its tools, in double. Reference.h says what is meant.
+#pragma once
+#include "VolumeRays.h"
+
+namespace vernier::quality {
+
+// What a ray shows of a layer that looks through a volume and of the tools in it.
+struct VolumeSeen {
+  glm::dvec3 colour{0};
+  bool shown = false;    // the layer shows something
+  bool covered = false;  // it does, or a tool does
+  std::optional<double> value;
+};
+
+class ProjectionReference {
+ public:
+  static Result<ProjectionReference> make(const Scene&, const ProjectionLayer&, const View&, const Sources&);
+
+  VolumeSeen seen(glm::dvec2 pixel) const;
+  std::uint64_t edgeKey(glm::dvec2 pixel) const;
+  const VolumeRays& rays() const { return rays_; }
+  // Whether voxels of these values, or fewer of them, can show other than nothing.
+  bool contributes(const LocalRange&) const;
+
+ private:
+  ProjectionReference(VolumeRays rays, const ProjectionLayer& layer)
+      : rays_(std::move(rays)), layer_(layer) {}
+  // What the parts of a ray with data come to.
+  struct Gathered {
+    double length_mm = 0, seenLength_mm = 0;  // with data; weighed with what tools leave
+    double integral = 0;                      // of the value, over mm
+    LocalRange values;                        // least and greatest
+    double brightest = 0, darkest = 1;        // of the grey, weighed
+    std::vector<double> emission_mm;          // integral of the grey, by how many tools are before it
+  };
+  Gathered gather(const VolumeRay&) const;
+  // Whether rays without data are as those with data of no emission.
+  bool everywhere() const {
+    return layer_.mode == ProjectionMode::Sum || layer_.mode == ProjectionMode::Attenuation;
+  }
+  glm::dvec3 combined(const VolumeRay&, const Gathered&) const;
+
+  VolumeRays rays_;
+  ProjectionLayer layer_;
+  glm::dvec3 background_{0};
+  double gain_perMm_ = 0;
+  bool invert_ = false;
+};
+
+}  // namespace vernier::quality
