@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # check.sh BUILD: makes the packages and proves what they promise, as root, in a root folder that holds nothing but the
 # packages that vernier depends on:
-#   - lintian, desktop-file-validate and appstreamcli find no fault;
+#   - lintian, desktop-file-validate and appstreamcli find no fault, and man shows every command;
 #   - it installs with every dependency met, without OpenGL, OSMesa or GLFW anywhere in sight;
-#   - it finds its plugins, writes a phantom, renders it natively to the very pixels that the build renders outside;
+#   - it finds every plugin of the build, writes a phantom, renders it natively to the very pixels that the build renders outside;
 #   - `doctor` says why there is no OpenGL and no window;
 #   - a user's own plugin can be built against vernier-dev;
 #   - removing it leaves the root folder as it was.
@@ -28,11 +28,23 @@ lintian --allow-root --no-cfg --fail-on error,warning "$deb" "$dev" || fail "lin
 unpacked=$root/unpacked
 dpkg-deb -x "$deb" "$unpacked"
 desktop-file-validate "$unpacked"/usr/share/applications/vernier.desktop || fail "desktop file"
-appstreamcli validate --no-net --pedantic "$unpacked"/usr/share/metainfo/vernier.metainfo.xml >"$root/appstream" ||
+appstreamcli validate-tree --no-net --pedantic "$unpacked" >"$root/appstream" ||
   { cat "$root/appstream"; fail "AppStream metainfo"; }
-man -l --warnings "$unpacked"/usr/share/man/man1/vernier.1.gz 2>"$root/man" >/dev/null || true
+LC_ALL=C.UTF-8 MANWIDTH=100 man -l --warnings "$unpacked"/usr/share/man/man1/vernier.1.gz 2>"$root/man" >"$root/page" || true
 [ ! -s "$root/man" ] || { cat "$root/man"; fail "man page"; }
-rm -rf "$unpacked" "$root/appstream" "$root/man"
+"$build/bin/vernier" --help | sed -n '/^Subcommands:/,/^$/{/not built yet/d;s/^  \([a-z]\+\) .*/\1/p}' |
+  diff - <(sed -n '/^COMMANDS/,/^ENVIRONMENT/s/^   \([a-z]\+\)$/\1/p' "$root/page") || fail "the man page has other commands than the program"
+sort "$build/packaging/plugins.txt" | diff - <(ls "$unpacked/usr/lib/vernier/plugins") || fail "the package has other plugins than the build"
+
+say "a plugin from elsewhere against vernier-dev"
+dpkg-deb -x "$dev" "$unpacked"
+cp -r "$here/../plugins/example" "$root/example"
+cmake -S "$root/example" -B "$root/example/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$unpacked/usr" \
+  >"$root/said" 2>&1 && cmake --build "$root/example/build" >>"$root/said" 2>&1 || { cat "$root/said"; fail "the example does not build"; }
+grep "other ABI" "$root/said" && fail "the example is built in another way than the package"
+"$unpacked/usr/bin/vernier" plugins --plugins "$root/example/build/lib/vernier/plugins" >"$root/page" || fail "vernier plugins"
+grep -q "^example .* loaded" "$root/page" || { cat "$root/page"; fail "the example is not loaded"; }
+rm -rf "$unpacked" "$root"/{appstream,man,page,said,example}
 
 say "a root folder of nothing but the dependencies"
 mapfile -t packages < <(python3 "$here/closure.py" "$deb" base-files dash coreutils)
@@ -60,12 +72,14 @@ inside vernier render /tmp/study --view oblique --size 256x256 --out /tmp/inside
 inside vernier doctor --json >"$build/packages/doctor.json"
 HOME=$root/tmp "$build/bin/vernier" render "$root/tmp/study" --view oblique --size 256x256 --engine native \
   --out "$root/tmp/outside.png" --report "$root/tmp/outside.json"
-python3 - "$build/packages" "$root/tmp" <<'PY'
+python3 - "$build" "$root/tmp" <<'PY'
 import json, sys
-packages, tmp = sys.argv[1:]
+build, tmp = sys.argv[1:]
+packages = f"{build}/packages"
 load = lambda p: json.load(open(p))
 plugins = load(f"{packages}/plugins.json")["plugins"]
-assert plugins and all(p["state"] == "loaded" for p in plugins), plugins
+assert all(p["state"] == "loaded" for p in plugins), plugins
+assert sorted(p["name"] for p in plugins) == sorted(open(f"{build}/packaging/plugins.txt").read().split()), plugins
 doctor = load(f"{packages}/doctor.json")
 assert doctor["native"]["available"] and not doctor["gl"]["available"], doctor["gl"]
 assert "libosmesa6" in doctor["gl"]["why_not"], doctor["gl"]

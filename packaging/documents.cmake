@@ -1,8 +1,8 @@
 # Run with -P at build time: writes into OUT the documents that a package carries beside the program.
 #   vernier.1.gz          made from `vernier --help` and each command's, so that it cannot say something else
 #   changelog.Debian.gz   Debian's form of the release
-#   vernier.metainfo.xml  with version and date
-# PROGRAM, SOURCE, OUT, PROJECT_VERSION, DATE (seconds since 1970), MAINTAINER
+#   APP_ID.metainfo.xml   with version and date
+# PROGRAM, SOURCE, OUT, PROJECT_VERSION, APP_ID, DATE (seconds since 1970), MAINTAINER
 set(ENV{SOURCE_DATE_EPOCH} ${DATE})
 string(TIMESTAMP VERNIER_RELEASE_DATE "%Y-%m-%d" UTC)
 string(TIMESTAMP rfc_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
@@ -18,11 +18,18 @@ endfunction()
 
 help_of(main)
 execute_process(COMMAND ${PROGRAM} --help OUTPUT_VARIABLE plain COMMAND_ERROR_IS_FATAL ANY)
-string(REGEX MATCH "Subcommands:\n(.*)" rest "${plain}")
-string(REGEX MATCHALL "\n  [a-z]+ " commands "\n${CMAKE_MATCH_1}")
+# The commands stand between this line and the next empty one; examples follow, which look alike.
+string(REGEX MATCH "\nSubcommands:(.*)" rest "${plain}")
+string(FIND "${CMAKE_MATCH_1}" "\n\n" end)
+string(SUBSTRING "${CMAKE_MATCH_1}" 0 ${end} lines)
+string(REPLACE ";" "," lines "${lines}")
+string(REGEX MATCHALL "\n  [a-z]+ [^\n]*" lines "${lines}")
 set(sections "")
-foreach(command IN LISTS commands)
-  string(STRIP "${command}" command)
+foreach(line IN LISTS lines)
+  if(line MATCHES "not built yet")
+    continue()
+  endif()
+  string(REGEX REPLACE "\n  ([a-z]+) .*" "\\1" command "${line}")
   help_of(text ${command})
   string(APPEND sections ".SS ${command}\n.nf\n${text}\n.fi\n")
 endforeach()
@@ -60,7 +67,7 @@ file(WRITE ${OUT}/changelog.Debian "vernier (${PROJECT_VERSION}-1) unstable; urg
  -- ${MAINTAINER}  ${rfc_date}
 ")
 configure_file(${SOURCE}/CHANGELOG.md ${OUT}/changelog COPYONLY)
-configure_file(${SOURCE}/packaging/desktop/vernier.metainfo.xml ${OUT}/vernier.metainfo.xml @ONLY)
+configure_file(${SOURCE}/packaging/desktop/vernier.metainfo.xml ${OUT}/${APP_ID}.metainfo.xml @ONLY)
 foreach(file vernier.1 changelog.Debian changelog)
   execute_process(COMMAND gzip -9nf ${OUT}/${file} COMMAND_ERROR_IS_FATAL ANY)
 endforeach()

@@ -4,7 +4,8 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 set(CMAKE_INSTALL_LIBDIR lib)
-set_target_properties(vernier_program PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/vernier")
+# Where /proc is not mounted (a bare root folder) the loader does not know $ORIGIN; there the package's place holds.
+set_target_properties(vernier_program PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/vernier;/usr/lib/vernier")
 install(TARGETS vernier_program RUNTIME COMPONENT vernier)
 install(TARGETS vernier EXPORT vernierTargets
   LIBRARY DESTINATION lib/vernier COMPONENT vernier NAMELINK_COMPONENT vernier-dev)

@@ -1,6 +1,8 @@
 # Packages: vernier (program, libvernier, plugins, desktop files) and vernier-dev (headers, CMake package), as .deb and
 # .tgz, by `cpack` in the build folder; `./dev package` calls it.
 set(VERNIER_MAINTAINER "Vernier maintainers <maintainers@vernier.example>")
+# AppStream wants a domain read backwards, and the file named after it; that of the maintainers' address.
+set(VERNIER_APP_ID example.vernier.vernier)
 set(documents ${CMAKE_BINARY_DIR}/packaging)
 find_package(Git QUIET)
 set(VERNIER_DATE 0)
@@ -13,9 +15,13 @@ if(GIT_FOUND)
 endif()
 find_package(Python3 COMPONENTS Interpreter REQUIRED)
 file(MAKE_DIRECTORY ${documents})
+# For check.sh: the plugins that the package must carry.
+get_property(plugins GLOBAL PROPERTY VERNIER_PLUGINS)
+list(JOIN plugins "\n" plugins)
+file(WRITE ${documents}/plugins.txt "${plugins}\n")
 add_custom_target(vernier_package_documents
   COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:vernier_program> -DSOURCE=${CMAKE_SOURCE_DIR} -DOUT=${documents}
-    -DPROJECT_VERSION=${PROJECT_VERSION} -DDATE=${VERNIER_DATE} "-DMAINTAINER=${VERNIER_MAINTAINER}"
+    -DPROJECT_VERSION=${PROJECT_VERSION} -DAPP_ID=${VERNIER_APP_ID} -DDATE=${VERNIER_DATE} "-DMAINTAINER=${VERNIER_MAINTAINER}"
     -P ${CMAKE_CURRENT_LIST_DIR}/documents.cmake
   COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/sbom.py ${CMAKE_BINARY_DIR} ${documents}/sbom.cdx.json
     ${documents}/licences ${PROJECT_VERSION}
@@ -28,12 +34,14 @@ install(FILES ${documents}/changelog.gz ${documents}/changelog.Debian.gz ${docum
   ${CMAKE_CURRENT_LIST_DIR}/copyright DESTINATION share/doc/vernier COMPONENT vernier OPTIONAL)
 install(FILES ${documents}/changelog.gz ${documents}/changelog.Debian.gz ${CMAKE_CURRENT_LIST_DIR}/copyright
   DESTINATION share/doc/vernier-dev COMPONENT vernier-dev OPTIONAL)
-install(FILES ${documents}/vernier.metainfo.xml DESTINATION share/metainfo COMPONENT vernier OPTIONAL)
+install(FILES ${documents}/${VERNIER_APP_ID}.metainfo.xml DESTINATION share/metainfo COMPONENT vernier OPTIONAL)
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/desktop/vernier.desktop DESTINATION share/applications COMPONENT vernier)
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/desktop/vernier.xml DESTINATION share/mime/packages COMPONENT vernier)
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/desktop/vernier.svg DESTINATION share/icons/hicolor/scalable/apps
   COMPONENT vernier)
-install(FILES ${CMAKE_CURRENT_LIST_DIR}/lintian/vernier DESTINATION share/lintian/overrides COMPONENT vernier)
+foreach(package vernier vernier-dev)
+  install(FILES ${CMAKE_CURRENT_LIST_DIR}/lintian/${package} DESTINATION share/lintian/overrides COMPONENT ${package})
+endforeach()
 
 set(CPACK_PACKAGE_NAME vernier)
 set(CPACK_PACKAGE_VENDOR "Vernier")
@@ -58,20 +66,21 @@ set(CPACK_DEBIAN_VERNIER_PACKAGE_NAME vernier)
 set(CPACK_DEBIAN_VERNIER_PACKAGE_SECTION science)
 # Depends and Recommends come from make.sh, which asks dpkg-shlibdeps: what the window alone links is recommended.
 set(CPACK_DEBIAN_VERNIER_PACKAGE_SUGGESTS "libosmesa6")
+# CPack indents what follows the first line, and makes the dot of an empty one.
 set(CPACK_DEBIAN_VERNIER_DESCRIPTION "review of medical volume images with measured error
- Vernier shows CT, MR and angiography studies from DICOM folders as slices,
- reformats and slabs. It draws without a graphics card on all cores of the
- processor, and every picture carries its measured error against a reference
- in double precision.
- .
- It is for review, planning and image quality assurance; it is not a medical
- device and not for primary diagnosis.")
+Vernier shows CT, MR and angiography studies from DICOM folders as slices,
+reformats and slabs. It draws without a graphics card on all cores of the
+processor, and every picture carries its measured error against a reference
+in double precision.
+
+It is for review, planning and image quality assurance; it is not a medical
+device and not for primary diagnosis.")
 set(CPACK_COMPONENT_VERNIER_DESCRIPTION "${CPACK_DEBIAN_VERNIER_DESCRIPTION}")
 
 set(CPACK_DEBIAN_VERNIER-DEV_PACKAGE_NAME vernier-dev)
 set(CPACK_DEBIAN_VERNIER-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_VERNIER-DEV_PACKAGE_DEPENDS "vernier (= ${PROJECT_VERSION}-1), libglm-dev")
 set(CPACK_COMPONENT_VERNIER-DEV_DESCRIPTION "headers for plugins of Vernier
- Public headers and the CMake package vernier, with which plugins are built
- outside of Vernier's own tree. A plugin fits the release that it was built for.")
+Public headers and the CMake package vernier, with which plugins are built
+outside of Vernier's own tree. A plugin fits the release that it was built for.")
 include(CPack)

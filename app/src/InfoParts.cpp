@@ -28,13 +28,22 @@ Json toJson(const Finding& f) {
   return j;
 }
 
-Json voxelsJson(const StudySet& set, const VolumeFile& v) {
+// Of the voxels, whose findings stand in for those of the header.
+Json voxelsJson(const StudySet& set, const VolumeFile& v, Json& findings) {
   const auto facts = volumeFacts(set.files[v.file]);
   if (!facts) return {{"error", toJson(facts.error())}};
-  return {{"stored_min", facts->storedMin},
-          {"stored_max", facts->storedMax},
-          {"stored_sum", facts->storedSum},
-          {"stored_sha256", facts->sha256}};
+  findings = toJson(facts->findings);
+  Json j{{"stored_sha256", facts->sha256}};
+  for (const auto& [key, value] : {std::pair{"stored_min", &VolumeFacts::Channel::min},
+                                   std::pair{"stored_max", &VolumeFacts::Channel::max},
+                                   std::pair{"stored_sum", &VolumeFacts::Channel::sum}}) {
+    if (facts->channels.size() == 1) {
+      j[key] = facts->channels[0].*value;
+      continue;
+    }
+    for (const VolumeFacts::Channel& c : facts->channels) j[key].push_back(c.*value);
+  }
+  return j;
 }
 
 Json volumeFileJson(const StudySet& set, const VolumeFile& v, const InfoOptions& options) {
@@ -48,17 +57,18 @@ Json volumeFileJson(const StudySet& set, const VolumeFile& v, const InfoOptions&
   j["frames"] = v.facts->frames;
   j["stored_type"] = v.facts->storedType;
   j["type_in_memory"] = nameOf(i.type);
+  j["channels"] = i.channels;
   j["spacing_mm"] = {spacing.x, spacing.y, spacing.z};
   j["patient_from_voxel"] = toJson(i.grid.patientFromVoxel);
   j["left_handed"] = glm::determinant(i.grid.patientFromVoxel.linear) < 0;
   j["modality"] = i.modality;
   j["unit"] = i.unit;
-  j["rescale"] = {i.rescale[0].slope, i.rescale[0].intercept};
+  if (i.channels == 1) j["rescale"] = {i.rescale[0].slope, i.rescale[0].intercept};
   j["windows"] = Json::array();
   for (const VoiWindow& w : i.windows)
     j["windows"].push_back({{"center", w.center}, {"width", w.width}, {"explanation", w.explanation}});
   j["findings"] = toJson(i.findings);
-  if (options.pixels) j["voxels"] = voxelsJson(set, v);
+  if (options.pixels) j["voxels"] = voxelsJson(set, v, j["findings"]);
   return j;
 }
 

@@ -177,6 +177,12 @@ void addSurface(const SurfaceRecord& s, std::string& out) {
   addFindings(s.file.findings, "  ", out);
 }
 
+// "int16"; "uint8 red, green, blue and alpha".
+std::string voxelKind(const VolumeFileFacts& f) {
+  if (f.info.channels == 1) return f.storedType;
+  return f.storedType + (f.info.channels == 3 ? " red, green and blue" : " red, green, blue and alpha");
+}
+
 // Numbered after the series, as --series takes them.
 void addVolumeFile(const StudySet& set, const VolumeFile& v, std::size_t index, std::string& out) {
   out += "Volume file " + std::to_string(index + 1) + "  " + safe(set.files[v.file].shown);
@@ -188,8 +194,8 @@ void addVolumeFile(const StudySet& set, const VolumeFile& v, std::size_t index, 
   const glm::dvec3 s = i.grid.spacing_mm();
   out += "  " + v.facts->format + "\n  " + std::to_string(i.grid.columns) + "x" +
          std::to_string(i.grid.rows) + "x" + std::to_string(i.grid.slices) + " voxels of " +
-         v.facts->storedType + ", " + number(s.x, 4) + "x" + number(s.y, 4) + "x" + number(s.z, 4) +
-         " mm, unit " + safe(i.unit);
+         voxelKind(*v.facts) + ", " + number(s.x, 4) + "x" + number(s.y, 4) + "x" + number(s.z, 4) + " mm";
+  if (i.channels == 1) out += ", unit " + safe(i.unit);
   if (v.facts->frames > 1) out += ", " + count(static_cast<std::size_t>(v.facts->frames), "frame");
   out += "\n";
   addFindings(i.findings, "         ", out);

@@ -13,6 +13,18 @@ namespace vernier::app {
 namespace {
 using Json = nlohmann::ordered_json;
 
+// Of what was drawn: an image of a volume file, a volume; or of the stack as it was found.
+std::vector<Finding> findingsOf(const ReportInput& in, const std::shared_ptr<const Volume>& volume) {
+  if (in.session->chosenVolumeFile())
+    for (const Layer& layer : in.request->scene.layers)
+      if (const auto* image = std::get_if<ImageLayer>(&layer))
+        if (const auto frame = in.session->image(image->source, image->index))
+          return (*frame)->info().findings;
+  if (volume) return volume->info().findings;
+  const Stack* const stack = in.session->chosenStack();
+  return stack ? stack->findings : std::vector<Finding>{};
+}
+
 Json inputFacts(const ReportInput& in, const std::shared_ptr<const Volume>& volume) {
   Json j;
   if (const Series* s = in.session->chosenSeries()) j["series"] = s->seriesUid;
@@ -24,9 +36,8 @@ Json inputFacts(const ReportInput& in, const std::shared_ptr<const Volume>& volu
     j["unit"] = volume->info().unit;
   }
   j["findings"] = Json::array();
-  if (const Stack* stack = in.session->chosenStack())
-    for (const Finding& f : stack->findings)
-      j["findings"].push_back({{"code", f.code}, {"sentence", f.sentence}});
+  for (const Finding& f : findingsOf(in, volume))
+    j["findings"].push_back({{"code", f.code}, {"sentence", f.sentence}});
   return j;
 }
 

@@ -281,7 +281,8 @@ Result<std::shared_ptr<const ImageFrame>> Session::image(const std::string& sour
   const auto made = [](const std::shared_ptr<const ImageFrame>& frame) {
     const ImageFrameInfo& info = frame->info();
     const auto pixels = static_cast<std::uint64_t>(info.columns) * static_cast<std::uint64_t>(info.rows);
-    return DerivedCache::Made<ImageFrame>{frame, pixels * bytesOf(info.type)};
+    const auto samples = static_cast<std::uint64_t>(info.samples());
+    return DerivedCache::Made<ImageFrame>{frame, pixels * samples * bytesOf(info.type)};
   };
   const std::string stackName = c->volumeFile ? "file " + std::to_string(*c->volumeFile)
                                               : std::to_string(c->series) + "#" + std::to_string(c->stack);

@@ -8,8 +8,12 @@
 namespace vernier {
 
 struct VolumeFacts {
-  std::string sha256;                                  // of the voxels, columns fastest, little endian
-  double storedMin = 0, storedMax = 0, storedSum = 0;  // without NaN
+  struct Channel {
+    double min = 0, max = 0, sum = 0;  // of stored values, without NaN
+  };
+  std::string sha256;             // of the voxels, columns fastest, little endian; colours interleaved
+  std::vector<Channel> channels;  // one; of colours red, green, blue and, where there is one, alpha
+  std::vector<Finding> findings;  // those of the header, and what reading the voxels found
 };
 Result<VolumeFacts> volumeFacts(const FileRecord&);
 

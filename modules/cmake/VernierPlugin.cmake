@@ -25,4 +25,6 @@ function(vernier_plugin name)
   configure_file(${P_CARD} ${folder}/plugin.json @ONLY)
   install(TARGETS plugin_${name} LIBRARY DESTINATION lib/vernier/plugins/${name} COMPONENT vernier)
   install(FILES ${folder}/plugin.json DESTINATION lib/vernier/plugins/${name} COMPONENT vernier)
+  # What the tests of installation and package expect to find; nobody keeps a list by hand.
+  set_property(GLOBAL APPEND PROPERTY VERNIER_PLUGINS ${name})
 endfunction()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# cmake -DBUILD=... -DPREFIX=... -P InstallTest.cmake: what `cmake --install` writes runs from there, with its plugin,
-# and not by chance with the libraries of the build folder.
+# cmake -DBUILD=... -DPREFIX=... "-DPLUGINS=mpr ..." -P InstallTest.cmake: what `cmake --install` writes runs from there,
+# with every plugin of the build, and not by chance with the libraries of the build folder.
 file(REMOVE_RECURSE ${PREFIX})
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${PREFIX} OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH --unset=VERNIER_PLUGINS LD_TRACE_LOADED_OBJECTS=1
@@ -10,6 +10,12 @@ if(NOT links MATCHES "libvernier.so.0 => ${PREFIX}/")
 endif()
 execute_process(COMMAND ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH --unset=VERNIER_PLUGINS
   ${PREFIX}/bin/vernier plugins OUTPUT_VARIABLE said COMMAND_ERROR_IS_FATAL ANY)
-if(NOT said MATCHES "mpr +[0-9.]+ +loaded")
-  message(FATAL_ERROR "the installed program does not load its plugin: ${said}")
+separate_arguments(PLUGINS)
+if(NOT PLUGINS)
+  message(FATAL_ERROR "the build has no plugin")
 endif()
+foreach(plugin IN LISTS PLUGINS)
+  if(NOT said MATCHES "${plugin} +[0-9.]+ +loaded")
+    message(FATAL_ERROR "the installed program does not load its plugin ${plugin}: ${said}")
+  endif()
+endforeach()

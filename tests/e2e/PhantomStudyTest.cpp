@@ -162,5 +162,22 @@ TEST(PhantomStudy, MetaImageEqualsTheDicomVolume) {
   expectProbes(**meta, l.answers["series"][0]);
 }
 
+TEST(PhantomStudy, AMetaImageOfColoursHasTheColoursAndOpacityOfTheAnswers) {
+  const TempDir dir;
+  PhantomOptions options;
+  options.format = PhantomFormat::MetaImage;
+  const Result<PhantomInfo> info = writePhantom("rgba-spheres", dir.path(), options);
+  ASSERT_TRUE(info.ok());
+  const auto v = readVolumeFile(info->data.string());
+  ASSERT_TRUE(v.ok()) << v.error().text();
+  const Json probes = Json::parse(std::ifstream(info->answers))["series"][0]["probes"];
+  ASSERT_GE(probes.size(), 4u);
+  for (const Json& p : probes) {
+    const auto found = probeStored(**v, pointOf(p["patient_mm"]));
+    ASSERT_TRUE(found && found->rgba) << p;
+    EXPECT_EQ(Json(*found->rgba), p["stored"]) << p;
+  }
+}
+
 }  // namespace
 }  // namespace vernier::test

@@ -192,7 +192,7 @@ TEST(MetaImageFiles, WhatIsNotReadSaysSo) {
   const std::pair<const char*, const char*> lines[] = {
       {"ElementDataFile = LIST\na.raw\nb.raw\n", "list of files"},
       {"ElementDataFile = s%03d.raw 1 2 1\n", "list of files"},
-      {"ElementNumberOfChannels = 3\nElementDataFile = v.raw\n", "one channel"},
+      {"ElementNumberOfChannels = 3\nElementDataFile = v.raw\n", "3 values of type int16 per voxel"},
       {"ElementType = MET_SHORT_ARRAY\nElementDataFile = v.raw\n", "ElementType"},
       {"BinaryData = False\nElementDataFile = v.raw\n", "BinaryData"},
       {"NDims = 4\nElementDataFile = v.raw\n", "dimensions"},

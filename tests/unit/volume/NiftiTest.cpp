@@ -193,7 +193,7 @@ TEST(NiftiHeaders, FiveDimensionsOddTypesAndAnalyzeAreRefused) {
   EXPECT_THAT(five.error().sentence, HasSubstr("5 dimensions"));
   EXPECT_TRUE(Changed().put<S>(kDim, 5).put<S>(kDim + 8, 1).put<S>(kDim + 10, 1).read().ok())
       << "none beyond three";
-  for (const S type : {S{1}, S{32}, S{128}, S{1536}, S{1792}, S{2048}, S{2304}, S{0}, S{-2}})
+  for (const S type : {S{1}, S{32}, S{1536}, S{1792}, S{2048}, S{0}, S{-2}})
     EXPECT_EQ(Changed().put<S>(kType, type).refusal(), ErrorCode::NotBuiltYet) << type;
   const auto analyze = Changed().put<std::int32_t>(344, 0).read();
   ASSERT_FALSE(analyze.ok());

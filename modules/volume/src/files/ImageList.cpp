@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "files/Affine.h"
+#include "files/Channels.h"
 #include "files/Pictures.h"
 #include "files/TextParts.h"
 #include "vernier/base/Checked.h"
@@ -209,10 +210,6 @@ Result<ParsedVolume> parseImageList(const FileRecord& file, const InputFilePtr& 
   if (!first) return first.error();
   const auto facts = pictureFacts(*first);
   if (!facts) return inPicture(facts.error(), pictures->front());
-  if (facts->channels != 1)
-    return inPicture(
-        makeError(ErrorCode::NotBuiltYet, "Lists of colour images are not read; save the images as grey."),
-        pictures->front());
   ParsedVolume p;
   p.facts.format = "image list";
   describe(*list, *facts, p.facts.info);
@@ -222,6 +219,9 @@ Result<ParsedVolume> parseImageList(const FileRecord& file, const InputFilePtr& 
   p.place.bigEndian = std::endian::native == std::endian::big;
   p.facts.storedType = nameOf(p.place.type);
   p.facts.info.type = voxelTypeOf(p.place.type);
+  if (facts->channels > 1 && !list->unit.empty())
+    return damaged("it states a unit, which colours do not have.");
+  if (auto ok = setChannels(p, facts->channels); !ok) return inPicture(ok.error(), pictures->front());
   for (const FileRecord& r : *pictures) p.place.mostBytes += std::min(r.bytes, std::uint64_t{1} << 40) * 1032;
   p.place.packing = Packing::Other;
   p.place.open = [pictures = std::move(*pictures), facts = *facts](const InputFilePtr&) {

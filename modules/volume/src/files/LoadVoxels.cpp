@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "Keep.h"
+#include "files/Channels.h"
 #include "vernier/base/Checked.h"
 #include "vernier/base/Threads.h"
 #include "vernier/base/Trace.h"
@@ -104,10 +105,11 @@ class Loader {
   Result<std::shared_ptr<const Volume>> load(const ProgressFn& progress, const std::stop_token& stop) {
     const TraceSpan span("read volume file");
     Result<void> ok = prepare();
-    if (ok) ok = fast() ? readRaw(stop) : readStream(progress, stop);
+    if (ok) ok = colour() ? readColours(progress, stop) : fast() ? readRaw(stop) : readStream(progress, stop);
     if (ok) ok = judge();
     if (!ok) return located(ok.error());
-    auto volume = Volume::make(std::move(info()), std::move(voxels_));
+    auto volume = colour() ? Volume::makeColour(std::move(info()), std::move(planes_))
+                           : Volume::make(std::move(info()), std::move(voxels_));
     if (!volume) return located(volume.error());
     return keepReservation(std::move(volume).value(), std::move(reservation_));
   }
@@ -116,6 +118,7 @@ class Loader {
   VolumeInfo& info() { return parsed_.facts.info; }
   VoxelPlace& place() { return parsed_.place; }
   bool same() { return bytesOf(place().type) == vernier::bytesOf(info().type); }
+  bool colour() { return place().channels > 1; }
   bool fast() { return place().packing == Packing::Raw && same(); }
   Error located(Error e) {
     if (e.where.empty()) e.where = place().file.shown;
@@ -126,7 +129,7 @@ class Loader {
     const GridGeometry& g = info().grid;
     const auto n = checkedProduct({static_cast<std::uint64_t>(g.columns), static_cast<std::uint64_t>(g.rows),
                                    static_cast<std::uint64_t>(g.slices)});
-    const auto inFile = n ? checkedProduct({*n, bytesOf(place().type)}) : std::nullopt;
+    const auto inFile = n ? checkedProduct({*n, bytesPerVoxel(place())}) : std::nullopt;
     if (!inFile || *inFile > std::uint64_t{1} << 62)
       return makeError(ErrorCode::LimitExceeded, "The header's sizes ask for more than 2^62 bytes.");
     count_ = *n;
@@ -135,15 +138,19 @@ class Loader {
     file_ = *file;
     if (auto r = passLines(); !r) return r;
     if (auto r = checkRoom(*inFile); !r) return r;
-    const std::uint64_t inMemory = count_ * vernier::bytesOf(info().type);
+    const auto channels = static_cast<std::size_t>(place().channels);
+    const std::uint64_t plane = count_ * vernier::bytesOf(info().type);
     if (options_.budget) {
-      auto r = options_.budget->reserve(inMemory, "the volume");
+      auto r = options_.budget->reserve(plane * channels, "the volume");
       if (!r) return r.error();
       reservation_ = std::move(r).value();
     }
-    auto made = Buffer::make(static_cast<std::size_t>(inMemory));
-    if (!made) return made.error();
-    voxels_ = std::move(made).value();
+    for (std::size_t c = 0; c < channels; ++c) {
+      auto made = Buffer::make(static_cast<std::size_t>(plane));
+      if (!made) return made.error();
+      planes_.push_back(std::move(made).value());
+    }
+    if (!colour()) voxels_ = std::move(planes_.front());
     return {};
   }
 
@@ -220,6 +227,32 @@ class Loader {
     return stream->finish();
   }
 
+  // Colours are bytes, in a file as in memory: nothing is converted.
+  Result<void> readColours(const ProgressFn& progress, const std::stop_token& stop) {
+    const auto stream = openStream(file_, place());
+    if (auto r = skipExactly(*stream, place().skip); !r) return r;
+    const std::uint64_t samples = count_ * bytesPerVoxel(place());
+    const std::uint64_t stride = bytesPerVoxel(place()), perPiece = kPiece / stride * stride;
+    std::vector<std::byte> piece(static_cast<std::size_t>(std::min(samples, perPiece)));
+    for (std::uint64_t done = 0; done < samples;) {
+      if (stop.stop_requested()) return cancelled();
+      const std::uint64_t inPlane = place().planar ? count_ - done % count_ : samples;
+      const auto to =
+          std::span(piece).first(static_cast<std::size_t>(std::min({perPiece, samples - done, inPlane})));
+      const auto got = stream->read(to);
+      if (!got) return got.error();
+      if (*got < to.size()) return shortData(samples, done + *got, place().file.shown);
+      if (place().planar)
+        std::memcpy(planes_[done / count_].data() + done % count_, to.data(), to.size());
+      else
+        spreadChannels(to, planes_, done / stride);
+      done += to.size();
+      if (progress) progress("read", done, samples);
+    }
+    judgeAlpha(planes_, info().findings);
+    return stream->finish();
+  }
+
   void convertPiece(const std::byte* from, std::uint64_t at, std::size_t n) {
     std::byte* const to = voxels_.data() + at * 4;
     if (place().type == FileType::F64)
@@ -271,6 +304,7 @@ class Loader {
   InputFilePtr file_;
   MemoryBudget::Reservation reservation_;
   Buffer voxels_;
+  std::vector<Buffer> planes_;  // of colours, instead of voxels_
   Converted converted_;
 };
 

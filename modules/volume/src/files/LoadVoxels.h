@@ -31,6 +31,9 @@ struct VoxelPlace {
   std::uint64_t skip = 0;  // bytes to pass over once unpacked
   FileType type = FileType::U8;
   bool bigEndian = false;
+  // Values per voxel, set by setChannels(): interleaved, or all of one channel before the next.
+  int channels = 1;
+  bool planar = false;
   // Packing::Other: the unpacked bytes of all voxels, and how many the file can hold at most.
   std::function<std::unique_ptr<ByteStream>(const InputFilePtr&)> open;
   std::uint64_t mostBytes = 0;
@@ -41,6 +44,10 @@ struct ParsedVolume {
   VolumeFileFacts facts;
   VoxelPlace place;
 };
+
+inline std::uint64_t bytesPerVoxel(const VoxelPlace& p) {
+  return bytesOf(p.type) * static_cast<std::uint64_t>(p.channels);
+}
 
 // Voxels of `place` as bytes of place.type in the place's byte order, from the start of the data.
 std::unique_ptr<ByteStream> openStream(const InputFilePtr&, const VoxelPlace&);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "files/Affine.h"
+#include "files/Channels.h"
 #include "files/TextParts.h"
 
 namespace vernier {
@@ -140,9 +141,8 @@ Result<void> readElements(const Reader& r, MetaHeader& h) {
   std::array<std::int64_t, 1> one{1};
   Result<void> ok = r.read({"ElementNumberOfChannels"}, one, 1);
   if (!ok) return ok;
-  if (one[0] != 1)
-    return r.notBuilt("Only MetaImages of one channel are read; this one has " + std::to_string(one[0]) +
-                      ".");
+  if (one[0] < 1) return r.damaged("ElementNumberOfChannels must be positive.");
+  h.channels = one[0];
   const std::string* element = r.find({"ElementType"});
   if (!element) return r.damaged("ElementType is missing.");
   const auto type = elementType(*element);
@@ -218,6 +218,18 @@ GridGeometry gridOf(const MetaHeader& h) {
   return g;
 }
 
+// Colours have no modality values that a slope could make.
+void readRescale(const MetaHeader& h, VolumeInfo& info) {
+  if (info.channels == 1)
+    info.rescale = {{h.slope, h.intercept}};
+  else if (h.slope != 1 || h.intercept != 0)
+    info.findings.push_back({"rescale-not-applied",
+                             Severity::Notice,
+                             "The header states a slope and intercept, which colours do not have; they are "
+                             "shown as stored.",
+                             {{"slope", h.slope}, {"intercept", h.intercept}}});
+}
+
 }  // namespace
 
 Result<ParsedVolume> parseMetaImage(const FileRecord& file, std::string_view text) {
@@ -240,9 +252,10 @@ Result<ParsedVolume> parseMetaImage(const FileRecord& file, std::string_view tex
   p.facts.format = "MetaImage";
   p.facts.storedType = nameOf(h->type);
   p.facts.info.type = voxelTypeOf(h->type);
-  p.facts.info.rescale = {{h->slope, h->intercept}};
   p.facts.info.modality = h->modality;
   p.facts.info.grid = gridOf(*h);
+  if (auto ok = setChannels(p, h->channels); !ok) return ok.error();
+  readRescale(*h, p.facts.info);
   if (auto ok = settleAxes(p.facts.info.grid); !ok) return ok.error();
   return p;
 }

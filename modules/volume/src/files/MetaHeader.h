@@ -20,6 +20,7 @@ struct MetaHeader {
   // the direction cosines of axis a (ITK's MetaImageIO reads them so).
   std::array<glm::dvec3, 3> direction{glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)};
   FileType type = FileType::I16;
+  std::int64_t channels = 1;
   bool bigEndian = false, compressed = false;
   std::int64_t headerSize = 0;  // bytes to skip in a separate data file; -1: the data stands at its end
   double slope = 1, intercept = 0;

@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "files/Affine.h"
+#include "files/Channels.h"
 
 namespace vernier {
 namespace {
@@ -101,9 +102,15 @@ Error damaged(const std::string& sentence) {
 }
 Error notRead(const std::string& sentence) { return makeError(ErrorCode::NotBuiltYet, sentence); }
 
+// RGB24 and RGBA32 are bytes, one after the other in each voxel.
+constexpr std::int64_t kRgb24 = 128, kRgba32 = 2304;
+std::int64_t channelsOf(std::int64_t code) { return code == kRgb24 ? 3 : code == kRgba32 ? 4 : 1; }
+
 std::optional<FileType> typeOf(std::int64_t code) {
   switch (code) {
     case 2:
+    case kRgb24:
+    case kRgba32:
       return FileType::U8;
     case 4:
       return FileType::I16;
@@ -129,20 +136,19 @@ std::optional<FileType> typeOf(std::int64_t code) {
 }
 
 Result<void> readType(const Fields& f, ParsedVolume& p) {
-  if (f.datatype == 128 || f.datatype == 2304)
-    return notRead("NIfTI files of colour (RGB24, RGBA32) are not read.");
   const auto type = typeOf(f.datatype);
   if (!type)
     return notRead("NIfTI data type " + std::to_string(f.datatype) +
                    " is not read (complex, 128 bit or unknown); convert the file to integers or floats.");
-  if (f.bitpix != 0 && f.bitpix != static_cast<std::int64_t>(8 * bytesOf(*type)))
-    return damaged("its data type has " + std::to_string(8 * bytesOf(*type)) + " bits, but bitpix says " +
+  const std::int64_t bits = static_cast<std::int64_t>(8 * bytesOf(*type)) * channelsOf(f.datatype);
+  if (f.bitpix != 0 && f.bitpix != bits)
+    return damaged("its data type has " + std::to_string(bits) + " bits, but bitpix says " +
                    std::to_string(f.bitpix) + ".");
   p.place.type = *type;
   p.place.bigEndian = f.bigEndian;
   p.facts.storedType = nameOf(*type);
   p.facts.info.type = voxelTypeOf(*type);
-  return {};
+  return setChannels(p, channelsOf(f.datatype));
 }
 
 Result<void> readSizes(const Fields& f, ParsedVolume& p) {
@@ -377,7 +383,7 @@ Result<NiftiHeader> parseNifti(std::span<const std::byte> head) {
   if (ok) ok = readOffset(f, p);
   if (ok) ok = readGeometry(f, p);
   if (!ok) return ok.error();
-  readValues(f, p.facts.info);
+  if (p.place.channels == 1) readValues(f, p.facts.info);  // the standard: not of colours
   return h;
 }
 

@@ -7,6 +7,8 @@
 #include <map>
 
 #include "files/Affine.h"
+#include "files/Channels.h"
+#include "files/NrrdWords.h"
 #include "files/TextParts.h"
 #include "vernier/base/Checked.h"
 
@@ -18,39 +20,9 @@ Error damaged(const std::string& sentence) {
 }
 Error notRead(const std::string& sentence) { return makeError(ErrorCode::NotBuiltYet, sentence); }
 
-struct Lines {
-  std::map<std::string, std::string> fields;  // by lower-case name
-  std::size_t end = 0;                        // first byte behind the blank line
-  bool closed = false;                        // there was a blank line
-};
-
-// "field: value" lines up to a blank line; comments and "key:=value" pairs are passed over.
-Result<Lines> splitLines(std::string_view text) {
-  Lines out;
-  std::size_t at = std::min(text.find('\n'), text.size() - 1) + 1;  // behind the magic
-  while (at < text.size()) {
-    const std::size_t eol = std::min(text.find('\n', at), text.size());
-    std::string_view line = text.substr(at, eol - at);
-    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    at = std::min(eol + 1, text.size());
-    out.end = at;
-    if (line.empty()) {
-      out.closed = true;
-      return out;
-    }
-    if (line.front() == '#') continue;
-    const std::size_t colon = line.find(':');
-    if (colon == std::string_view::npos)
-      return damaged("a line is neither a field, a key, a comment nor blank.");
-    if (line.substr(colon).starts_with(":=")) continue;
-    out.fields[lowerCase(trimmed(line.substr(0, colon)))] = std::string(trimmed(line.substr(colon + 1)));
-  }
-  return out;
-}
-
 class Header {
  public:
-  Header(const FileRecord& file, Lines lines) : file_(file), lines_(std::move(lines)) {}
+  Header(const FileRecord& file, NrrdLines lines) : file_(file), lines_(std::move(lines)) {}
 
   Result<ParsedVolume> parse() {
     p_.place.file = file_;
@@ -62,7 +34,8 @@ class Header {
     if (ok) ok = readGeometry();
     if (ok) ok = readPlace();
     if (!ok) return ok.error();
-    if (const std::string* unit = find({"sample units"}); unit && !unquoted(*unit).empty())
+    if (const std::string* unit = find({"sample units"});
+        unit && !unquoted(*unit).empty() && p_.place.channels == 1)
       p_.facts.info.unit = unquoted(*unit);
     return std::move(p_);
   }
@@ -93,59 +66,18 @@ class Header {
   }
 
   Result<void> readType() {
-    static const std::map<std::string_view, FileType> kTypes{{"signed char", FileType::I8},
-                                                             {"int8", FileType::I8},
-                                                             {"int8_t", FileType::I8},
-                                                             {"uchar", FileType::U8},
-                                                             {"unsigned char", FileType::U8},
-                                                             {"uint8", FileType::U8},
-                                                             {"uint8_t", FileType::U8},
-                                                             {"short", FileType::I16},
-                                                             {"short int", FileType::I16},
-                                                             {"signed short", FileType::I16},
-                                                             {"signed short int", FileType::I16},
-                                                             {"int16", FileType::I16},
-                                                             {"int16_t", FileType::I16},
-                                                             {"ushort", FileType::U16},
-                                                             {"unsigned short", FileType::U16},
-                                                             {"unsigned short int", FileType::U16},
-                                                             {"uint16", FileType::U16},
-                                                             {"uint16_t", FileType::U16},
-                                                             {"int", FileType::I32},
-                                                             {"signed int", FileType::I32},
-                                                             {"int32", FileType::I32},
-                                                             {"int32_t", FileType::I32},
-                                                             {"uint", FileType::U32},
-                                                             {"unsigned int", FileType::U32},
-                                                             {"uint32", FileType::U32},
-                                                             {"uint32_t", FileType::U32},
-                                                             {"longlong", FileType::I64},
-                                                             {"long long", FileType::I64},
-                                                             {"long long int", FileType::I64},
-                                                             {"signed long long", FileType::I64},
-                                                             {"signed long long int", FileType::I64},
-                                                             {"int64", FileType::I64},
-                                                             {"int64_t", FileType::I64},
-                                                             {"ulonglong", FileType::U64},
-                                                             {"unsigned long long", FileType::U64},
-                                                             {"unsigned long long int", FileType::U64},
-                                                             {"uint64", FileType::U64},
-                                                             {"uint64_t", FileType::U64},
-                                                             {"float", FileType::F32},
-                                                             {"double", FileType::F64}};
     const std::string* name = find({"type"});
     if (!name) return damaged("type is missing.");
-    const auto it = kTypes.find(lowerCase(*name));
-    if (it == kTypes.end())
-      return notRead("This NRRD type is not read; convert the file to integers or floats.");
-    p_.place.type = it->second;
-    p_.facts.storedType = nameOf(it->second);
-    p_.facts.info.type = voxelTypeOf(it->second);
+    const auto type = nrrdType(lowerCase(*name));
+    if (!type) return notRead("This NRRD type is not read; convert the file to integers or floats.");
+    p_.place.type = *type;
+    p_.facts.storedType = nameOf(*type);
+    p_.facts.info.type = voxelTypeOf(*type);
     return {};
   }
 
-  // Which axes lie in space. One that does not may be of one entry anywhere, or the slowest: a list of
-  // volumes.
+  // Which axes lie in space. One that does not may be of one entry anywhere; of colours, the fastest or the
+  // slowest; or the slowest otherwise: a list of volumes.
   Result<void> readAxes() {
     std::vector<bool> spatial(sizes_.size(), true);
     if (const std::string* kinds = find({"kinds"})) {
@@ -153,12 +85,16 @@ class Header {
       if (list.size() != sizes_.size()) return damaged("kinds does not name every axis.");
       for (std::size_t a = 0; a < list.size(); ++a) {
         const std::string k = lowerCase(list[a]);
+        kinds_.push_back(k);
         spatial[a] = k == "domain" || k == "space" || k == "???" || k == "none";
       }
     }
     if (const std::string* directions = find({"space directions"})) {
       if (auto r = readDirections(*directions); !r) return r;
-      for (std::size_t a = 0; a < sizes_.size(); ++a) spatial[a] = directions_[a].has_value();
+      for (std::size_t a = 0; a < sizes_.size(); ++a) {
+        spatial[a] = directions_[a].has_value();
+        if (spatial[a] && isColours(a)) return damaged("an axis of colours has a direction in space.");
+      }
     } else if (sizes_.size() > 3 && std::count(spatial.begin(), spatial.end(), true) ==
                                         static_cast<std::ptrdiff_t>(sizes_.size())) {
       for (std::size_t a = 3; a < sizes_.size(); ++a)
@@ -169,11 +105,16 @@ class Header {
         axes_.push_back(a);
         continue;
       }
+      if (isColours(a)) {
+        if (auto r = readColours(a); !r) return r;
+        continue;
+      }
       if (sizes_[a] == 1) continue;
       if (a + 1 < sizes_.size() || p_.facts.frames > 1)
         return notRead(
             "The NRRD file has " + std::to_string(sizes_[a]) +
-            " values per voxel (colour, vector or list axis before the last); one value per voxel is read.");
+            " values per voxel on an axis that is of no kind of colour; one value per voxel, or an "
+            "axis of kind RGB-color or RGBA-color, is read.");
       p_.facts.frames = sizes_[a];
     }
     if (axes_.empty() || axes_.size() > 3)
@@ -184,6 +125,32 @@ class Header {
     g.rows = axes_.size() > 1 ? sizes_[axes_[1]] : 1;
     g.slices = axes_.size() > 2 ? sizes_[axes_[2]] : 1;
     return {};
+  }
+
+  // A vector behind the axes in space is a list of volumes, as diffusion series are written.
+  bool isColours(std::size_t axis) const {
+    return !kinds_.empty() && nrrdValuesPerVoxel(kinds_[axis]) &&
+           (axis == 0 || !kinds_[axis].ends_with("vector"));
+  }
+
+  Result<void> readColours(std::size_t axis) {
+    const std::int64_t n = sizes_[axis], named = *nrrdValuesPerVoxel(kinds_[axis]);
+    if (named != 0 && named != n)
+      return damaged("an axis of " + std::to_string(n) + " entries is of a kind that has " +
+                     std::to_string(named) + ".");
+    p_.place.planar = axis > 0;
+    if (p_.place.channels > 1 || (p_.place.planar && axis + 1 < sizes_.size()))
+      return notRead(
+          "The colours of the NRRD file stand on an axis between others; they are read where they "
+          "are the first or the last axis.");
+    if (kinds_[axis].ends_with("vector") && n > 1)
+      p_.facts.info.findings.push_back(
+          {"colours-assumed",
+           Severity::Notice,
+           "The file calls the values of a voxel a vector; they are shown as red, green and blue" +
+               std::string(n == 4 ? " and opacity." : "."),
+           {}});
+    return setChannels(p_, n);
   }
 
   // "(1,0,0) none (0,1,0)": one vector or "none" per axis.
@@ -368,9 +335,10 @@ class Header {
   }
 
   const FileRecord& file_;
-  Lines lines_;
+  NrrdLines lines_;
   ParsedVolume p_;
   std::vector<std::int64_t> sizes_;
+  std::vector<std::string> kinds_;                     // lower case; empty when the header has none
   std::vector<std::optional<glm::dvec3>> directions_;  // per axis, empty when the header has none
   std::vector<std::size_t> axes_;                      // those in space, fastest first
 };
@@ -384,7 +352,7 @@ bool looksLikeNrrd(std::string_view text) {
 
 Result<ParsedVolume> parseNrrd(const FileRecord& file, std::string_view text) {
   if (text[7] > '6') return notRead("This NRRD file is of a version that is not read (1 to 6 are).");
-  auto lines = splitLines(text);
+  auto lines = splitNrrdLines(text);
   if (!lines) return lines.error();
   return Header(file, std::move(*lines)).parse();
 }

@@ -57,9 +57,10 @@ Error damaged() {
   return makeError(ErrorCode::FileDamaged, "The TIFF picture is damaged; fetch the file again.");
 }
 Error notRead(const char* what) {
-  return makeError(ErrorCode::NotBuiltYet,
-                   std::string("TIFF pictures ") + what +
-                       " are not read; save them as grey of 8 or 16 bits, one picture per file.");
+  return makeError(
+      ErrorCode::NotBuiltYet,
+      std::string("TIFF pictures ") + what +
+          " are not read; save them as grey of 8 or 16 bits or as RGB of 8 bits, one picture per file.");
 }
 
 template <class T>
@@ -78,6 +79,16 @@ Result<VoxelType> typeOf(TIFF* t) {
     if (bits == 16) return isSigned ? VoxelType::I16 : VoxelType::U16;
   }
   return notRead("of this number of bits");
+}
+
+// What a fourth value is must be said, and opacity must not have gone into the colours already.
+Result<void> checkAlpha(TIFF* t) {
+  std::uint16_t n = 0, *kinds = nullptr;
+  if (TIFFGetFieldDefaulted(t, TIFFTAG_EXTRASAMPLES, &n, &kinds) == 1 && n == 1) {
+    if (kinds[0] == EXTRASAMPLE_UNASSALPHA) return {};
+    if (kinds[0] == EXTRASAMPLE_ASSOCALPHA) return notRead("whose colours are multiplied by their opacity");
+  }
+  return notRead("whose fourth value is not said to be opacity");
 }
 
 Result<PictureFacts> factsOf(TIFF* t) {
@@ -99,6 +110,8 @@ Result<PictureFacts> factsOf(TIFF* t) {
   if (samples > 1 &&
       field<std::uint16_t>(t, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) != PLANARCONFIG_CONTIG)
     return notRead("whose colours stand in separate planes");
+  if (samples == 4)
+    if (auto r = checkAlpha(t); !r) return r.error();
   f.channels = samples;
   f.whiteIsZero = photometric == PHOTOMETRIC_MINISWHITE;
   if (!TIFFIsCODECConfigured(field<std::uint16_t>(t, TIFFTAG_COMPRESSION, COMPRESSION_NONE)))

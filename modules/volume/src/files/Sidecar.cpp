@@ -7,6 +7,7 @@
 #include <set>
 
 #include "files/Affine.h"
+#include "files/Channels.h"
 
 namespace vernier {
 namespace {
@@ -20,8 +21,9 @@ class Reader {
 
   Result<ParsedVolume> parse() {
     static const std::set<std::string> kKeys{
-        "format",    "data", "encoding", "dims",  "type",      "byte_order",   "spacing_mm", "origin_mm",
-        "direction", "axes", "unit",     "slope", "intercept", "header_bytes", "modality",   "no_data"};
+        "format",     "data",         "encoding",  "dims",    "type",    "byte_order",
+        "spacing_mm", "origin_mm",    "direction", "axes",    "unit",    "slope",
+        "intercept",  "header_bytes", "modality",  "no_data", "channels"};
     for (const auto& [key, value] : j_.items())
       if (!kKeys.contains(key)) return bad(key, "is not a key of " + std::string(kSchema));
     p_.facts.format = "raw";
@@ -87,6 +89,7 @@ class Reader {
     p_.place.bigEndian = *order == "big";
     info.unit = unit->empty() ? info.unit : *unit;
     info.modality = *modality;
+    if (auto ok = readChannels(); !ok) return ok;
     ModalityRescale& r = info.rescale[0];
     if (auto ok = number("slope", r.slope); !ok) return ok;
     if (auto ok = number("intercept", r.intercept); !ok) return ok;
@@ -94,6 +97,16 @@ class Reader {
       return makeError(ErrorCode::RescaleInvalid, "/slope must not be 0, and both it and /intercept finite.",
                        file_.shown);
     return readNoData();
+  }
+
+  Result<void> readChannels() {
+    std::int64_t channels = 1;
+    if (auto ok = number("channels", channels); !ok) return ok;
+    if (channels < 1) return bad("channels", "must be 1, 3 or 4");
+    if (channels > 1)
+      for (const char* grey : {"unit", "slope", "intercept", "no_data"})
+        if (j_.contains(grey)) return bad(grey, "is for one value per voxel; colours have none");
+    return setChannels(p_, channels);
   }
 
   Result<void> readNoData() {

@@ -150,7 +150,7 @@ Result<void> chooseFrame(ParsedVolume& p, const std::optional<std::int64_t>& fra
                      "The file has frames " + range + ", got " + std::to_string(*frame) + ".", "--frame");
   const GridGeometry& g = p.facts.info.grid;
   const auto skip = checkedProduct({static_cast<std::uint64_t>(g.columns), static_cast<std::uint64_t>(g.rows),
-                                    static_cast<std::uint64_t>(g.slices), bytesOf(p.place.type),
+                                    static_cast<std::uint64_t>(g.slices), bytesPerVoxel(p.place),
                                     static_cast<std::uint64_t>(*frame)});
   const auto total = skip ? checkedAdd(*skip, p.place.skip) : std::nullopt;
   if (!total)

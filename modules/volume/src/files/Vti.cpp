@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "files/Affine.h"
+#include "files/Channels.h"
 #include "files/TextParts.h"
 #include "vernier/base/Checked.h"
 
@@ -211,22 +212,20 @@ class Image {
     const auto it = kTypes.find(d_.array["type"]);
     if (it == kTypes.end())
       return notRead("This type of VTK data array is not read; convert it to integers or floats.");
-    const std::string components =
-        d_.array.contains("NumberOfComponents") ? d_.array["NumberOfComponents"] : "1";
-    if (components != "1")
-      return notRead(
-          "The VTK image has several values per voxel (colour or vectors); one value per voxel is read.");
+    const auto components = numberIn<std::int64_t>(
+        d_.array.contains("NumberOfComponents") ? d_.array["NumberOfComponents"] : "1");
+    if (!components || *components < 1) return damaged("NumberOfComponents is no number above 0.");
     p_.place.type = it->second;
     p_.facts.storedType = nameOf(it->second);
     p_.facts.info.type = voxelTypeOf(it->second);
-    return {};
+    return setChannels(p_, *components);
   }
 
   Result<void> readPlace() {
     const GridGeometry& g = p_.facts.info.grid;
     const auto bytes =
         checkedProduct({static_cast<std::uint64_t>(g.columns), static_cast<std::uint64_t>(g.rows),
-                        static_cast<std::uint64_t>(g.slices), bytesOf(p_.place.type)});
+                        static_cast<std::uint64_t>(g.slices), bytesPerVoxel(p_.place)});
     if (!bytes) return makeError(ErrorCode::LimitExceeded, "The extent asks for more than 2^64 bytes.");
     VtkArray array;
     array.bytes = *bytes;

@@ -4,7 +4,8 @@
 // only where several formats begin alike. Affines are turned to LPS mm exactly (oblique, sheared and
 // left-handed ones too). What values mean is never guessed: the unit is "stored value" unless the file states
 // one. Where a file does not say what its axes mean, the volume carries the finding "axes-unknown" and
-// pictures of it have no letters.
+// pictures of it have no letters. Three or four values of 8 bits per voxel are colours; other numbers and
+// types of values per voxel are refused.
 #pragma once
 #include <memory>
 #include <optional>
@@ -24,7 +25,8 @@ struct VolumeFileFacts {
   std::int64_t frames =
       1;                // volumes in the file; of more than one, BuildOptions::frame names the one to read
   FileRecord dataFile;  // that the voxels stand in: the file itself, or one beside it
-  VolumeInfo info;      // grid, type in memory, rescale, unit, windows, title and findings of the header
+  // Grid, type and channels in memory, rescale, unit, windows, title and findings of the header.
+  VolumeInfo info;
 };
 
 // A file that is a volume file, by its place in StudySet::files. Without facts the header cannot be used:
@@ -46,15 +48,17 @@ VERNIER_API Result<VolumeFileFacts> readVolumeFacts(const FileRecord&);
 
 // The whole volume. Sizes are checked against the file before memory is set aside; 64-bit floats become
 // 32-bit floats and 64-bit integers 32-bit ones, with a finding, or are refused where they do not fit.
-// OptionInvalid where a frame must be chosen and is not, or does not exist.
+// Colours become a colour volume; an alpha that is 0 everywhere is left out ("alpha-empty"), any other is
+// counted ("alpha-channel"). OptionInvalid where a frame must be chosen and is not, or does not exist.
 VERNIER_API Result<std::shared_ptr<const Volume>> readVolumeFile(const FileRecord&, const BuildOptions& = {},
                                                                  const ProgressFn& = {},
                                                                  std::stop_token = {});
 VERNIER_API Result<std::shared_ptr<const Volume>> readVolumeFile(const std::string& path,
                                                                  const BuildOptions& = {});
 
-// Slice k of a volume as it stands in the file, unresampled: columns and rows are the file's own. `window` as
-// autoWindow: automaticWindow() of the volume, found once by the caller.
+// Slice k of a volume as it stands in the file, unresampled: columns and rows are the file's own. Of a colour
+// volume red, green and blue, without alpha (finding "alpha-not-shown" where it is not 255 everywhere).
+// `window` as autoWindow: automaticWindow() of the volume, found once by the caller.
 VERNIER_API Result<std::shared_ptr<const ImageFrame>> imageOfVolume(const Volume&, std::int64_t slice,
                                                                     const VoiWindow& window);
 
