@@ -102,10 +102,12 @@ glm::dvec3 combined(const ProjectionJob& job, Along& a, bool ended, const glm::d
   return a.tools + glm::max(glm::dvec3(a.grey), a.share * end);
 }
 
-// Inverted layers in complements, so that tools keep their colours.
+// Inverted layers in complements, so that tools keep their colours. Sum and Attenuation show on every ray.
 glm::dvec3 colourOf(const ProjectionJob& job, Along& a, bool ended, glm::dvec3 end) {
   const glm::dvec3 background(job.background.r, job.background.g, job.background.b);
-  if (!a.covered) return a.tools + a.share * (ended ? end : background);
+  const bool everywhere = job.mode == ProjectionMode::Sum || job.mode == ProjectionMode::Attenuation;
+  if (!a.covered && !everywhere) return a.tools + a.share * (ended ? end : background);
+  if (job.mode == ProjectionMode::Sum && !ended && !job.invert) end = background;
   if (job.invert) a.tools = a.toolsWeight - a.tools;
   if (job.invert && ended) end = 1.0 - end;
   const glm::dvec3 colour = combined(job, a, ended, end);

@@ -17,10 +17,10 @@
 //   Max          K + max(greatest T g (1 - cue + cue z'), E), in each channel
 //   Min          K + max(least T g, E)
 //   Mean         K + max(g of the mean value * mean of T, E); means over the length with data
-//   Sum          K + gain * integral of T g + E
+//   Sum          K + gain * integral of T g + E; without a tool at its end T times the scene's background
 //   Attenuation  every colour weakened by exp(-gain * integral of g before it), T times a background of 1
 //   invert       in complements: tools' colours c become 1 - c, then the pixel becomes 1 - pixel
-// A ray without data: K + E, or K + T times the scene's background.
+// A ray without data: K + E, or K + T times the scene's background; Sum and Attenuation as above.
 //
 // Frames: Pixel (centres at half-integers, row 0 on top), rays in patient mm by CameraPicture. Threads: tiles
 // by parallelFor, every pixel by itself: bit-equal for any number of threads. The stop token is read once per

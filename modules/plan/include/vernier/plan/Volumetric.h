@@ -3,6 +3,7 @@
 // the volume takes part, how a depth cue falls off, which levels a set of shells has, and the tools that
 // stand in the picture. Pure functions in double. The reference (module quality) has its own.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "vernier/plan/CameraPicture.h"
@@ -34,8 +35,9 @@ struct DepthRamp {
   double near_mm = 0, far_mm = 1;  // depths along the camera's forward axis, near < far
   bool afterProjection = false;
   double at(double depth_mm) const {
-    if (afterProjection) return (near_mm * far_mm / depth_mm - near_mm) / (far_mm - near_mm);
-    return (far_mm - depth_mm) / (far_mm - near_mm);
+    const double z = afterProjection ? (near_mm * far_mm / depth_mm - near_mm) / (far_mm - near_mm)
+                                     : (far_mm - depth_mm) / (far_mm - near_mm);
+    return std::clamp(z, 0.0, 1.0);  // what stands between the eye and the near end has 1
   }
 };
 VERNIER_API DepthRamp depthRamp(const CameraPicture&, const GridGeometry&, bool byDistance = false);
