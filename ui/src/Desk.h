@@ -40,7 +40,6 @@ class Desk {
   Result<void> openMpr() { return workspace_.openMpr(); }
   // The next or previous stack of the same series with as many images: time points, echoes.
   void stepTime(int tile, int notches);
-  bool hasTime(const SourceId&) const;
   void cancelLoading() { load_.cancel(); }
 
   // Sizes of the tiles in framebuffer pixels; `scale` of letters, 1..3.
@@ -69,6 +68,7 @@ class Desk {
  private:
   struct Posted {
     std::uint64_t generation = 0;
+    std::uint64_t since = 0;  // first generation of this source in this tile
     Scene scene;
     View view;
     SourceId source;

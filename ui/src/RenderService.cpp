@@ -79,12 +79,9 @@ RenderService::RenderService(std::function<void()> wake)
     : wake_(std::move(wake)), thread_([this](std::stop_token stop) { loop(stop); }) {}
 
 RenderService::~RenderService() {
-  {
-    const std::lock_guard lock(mutex_);
-    refining_.request_stop();
-  }
   thread_.request_stop();
-  changed_.notify_all();
+  const std::lock_guard lock(mutex_);
+  refining_.request_stop();
 }
 
 void RenderService::post(RenderRequest request) {
@@ -175,6 +172,7 @@ void RenderService::loop(std::stop_token stop) {
     const RenderRequest request = *slot->request;
     working_ = request.tile;
     refining_ = std::stop_source();
+    if (stop.stop_requested()) refining_.request_stop();  // closed meanwhile
     const std::stop_token cancel = measure ? refining_.get_token() : stop;
     lock.unlock();
     FinishedPicture picture = draw(request, measure, slot->reuse, cancel);

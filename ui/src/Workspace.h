@@ -65,7 +65,8 @@ class Workspace {
   void forget(int document);
 
   void setActive(int t);
-  // The stack view of a source at its middle slice; a volume file opens as axial.
+  // The stack view of a source at its middle slice; a volume file opens as axial. On an empty desk this is no
+  // step of undo.
   void open(const SourceId&, int t);
   void setLayout(Layout);
   // One tile with the stack of the active tile's source, at the image nearest to the crosshair when it showed

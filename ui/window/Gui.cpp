@@ -39,6 +39,7 @@ void Gui::frame() {
 
 void Gui::keys() {
   const ImGuiIO& io = ImGui::GetIO();
+  if (io.KeyCtrl && pressed(GLFW_KEY_Q)) quit_ = true;  // whatever is open
   if (io.WantTextInput) return;
   Workspace& w = desk_.workspace();
   const int active = w.now().active;
@@ -54,7 +55,6 @@ void Gui::keys() {
   if (io.KeyCtrl) {
     if (pressed(GLFW_KEY_Z) && !io.KeyShift) w.undo();
     if (pressed(GLFW_KEY_Y) || (pressed(GLFW_KEY_Z) && io.KeyShift)) w.redo();
-    if (pressed(GLFW_KEY_Q)) quit_ = true;
     if (pressed(GLFW_KEY_B)) browserShown_ = !browserShown_;
     return;
   }

@@ -69,6 +69,8 @@ class Gui {
   void browser(Rect);
   void openField();
   void document(Document&);
+  void objects(const StudySet&, const Series&);
+  void volumeFiles(Document&);
   void stackRow(Document&, const Series&, const Stack&, const SourceId&, const std::string& title,
                 const std::string& about);
   void badge(const std::vector<const Finding*>&, ImVec2 at);

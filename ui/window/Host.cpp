@@ -36,9 +36,12 @@ double pixelsPerUnit(GLFWwindow* w) {
 // Every text that a document brings to the screen; bounded, since each character costs room in the atlas.
 std::string textsOf(const Document& d) {
   std::string all;
+  all += d.title;
   for (const Patient& p : d.session->study().patients) all += p.name;
   for (const Study& s : d.session->study().studies) all += s.description;
   for (const Series& s : d.session->study().series) all += s.description;
+  for (const PresentationState& p : d.session->study().presentations) all += p.label + p.description;
+  for (const VolumeFile& v : d.session->volumeFiles()) all += titleOf(*d.session, v);
   return all.substr(0, 20'000);
 }
 
@@ -47,7 +50,10 @@ std::string textsOf(const Document& d) {
 Result<std::unique_ptr<Host>> Host::make(const HostOptions& o) {
   std::unique_ptr<Host> host(new Host());
   if (const Result<void> opened = host->openWindow(o); !opened) return opened.error();
-  host->desk_ = std::make_unique<Desk>(o.session, [] { glfwPostEmptyEvent(); });
+  host->desk_ = std::make_unique<Desk>(o.session, [h = host.get()] {
+    h->woken_ = true;
+    glfwPostEmptyEvent();
+  });
   host->gui_ = std::make_unique<Gui>(*host->desk_, *host->textures_);
   host->applyScale(host->theme_.scale);
   if (o.notice) host->gui_->showNotice(o.noticeAccepted);
@@ -229,6 +235,7 @@ void Host::frame() {
       applyScale(theme_.scale);
     }
   }
+  drawnChanges_ = desk_->changes();
   for (const InputEvent& e : input_.next()) feed(e);
   ImGuiIO& io = ImGui::GetIO();
   int w = 0, h = 0;
@@ -273,14 +280,16 @@ Picture Host::screenshot() {
 
 void Host::run(const std::function<bool()>& goOn) {
   while (!glfwWindowShouldClose(window_) && !gui_->wantsToQuit() && (!goOn || goOn())) {
-    if (framesWanted_ > 0 || !input_.empty())
+    if (framesWanted_ > 0 || !input_.empty() || woken_)
       glfwPollEvents();
     else
       glfwWaitEvents();
     if (!input_.empty()) framesWanted_ = 2;
-    const std::uint64_t before = desk_->changes();
-    desk_->update();
-    if (desk_->changes() != before || desk_->progress()) framesWanted_ = std::max(framesWanted_, 2);
+    const bool woken = woken_.exchange(false);
+    if (woken) desk_->update();
+    // What counts is what the last frame has drawn: it may have taken a picture after it drew.
+    if (desk_->changes() != drawnChanges_ || (woken && desk_->progress()))
+      framesWanted_ = std::max(framesWanted_, 2);
     if (framesWanted_ <= 0) continue;
     --framesWanted_;
     frame();

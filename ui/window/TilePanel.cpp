@@ -156,18 +156,21 @@ void Gui::emptyTile(Rect r) {
 void Gui::volumeState(int t, Rect r) {
   const Workspace& w = desk_.workspace();
   const SourceId& source = w.tile(t).source;
+  const SourceFacts* f = w.factsOfTile(t);
+  const bool stack = f && !f->isVolumeFile;  // its images can be seen without the volume
   if (const Error* e = desk_.volumeError(source)) {
     const bool cancelled = e->code == ErrorCode::Cancelled;
     sentence(r, cancelled ? "Loading was cancelled" : "This volume cannot be shown",
-             cancelled ? "The stack view needs no volume: choose Stack."
-                       : e->sentence + " The stack view still works.",
+             cancelled
+                 ? (stack ? "The stack view needs no volume: choose Stack." : "It can be started again.")
+                 : e->sentence + (stack ? " The stack view still works." : ""),
              cancelled ? colour::kText : colour::kAmber);
     ImGui::SetCursorScreenPos({r.x + (r.w - theme_.px(96)) / 2, r.y + r.h / 2 + theme_.px(44)});
     if (ImGui::Button("Try again", {theme_.px(96), 0})) desk_.retryVolume(source);
     return;
   }
   const auto p = desk_.progress();
-  std::string text = "The stack can be scrolled meanwhile. Esc cancels.";
+  std::string text = stack ? "The stack can be scrolled meanwhile. Esc cancels." : "Esc cancels.";
   if (p && p->source == source && p->total > 0)
     text = std::to_string(p->done) + " of " + std::to_string(p->total) + " slices. " + text;
   sentence(r, "Loading the volume", text, colour::kText);
