@@ -77,10 +77,13 @@ TEST(Window, MprCrosshairAndMaximise) {
     const Plane& plane = sliceOf(w.workspace().tile(t).scene)->plane;
     EXPECT_NEAR(dot(after - plane.point, normalize(plane.normal)), 0, 1e-9);
   }
-  w.doubleClick(500, 250);
+  w.doubleClick(460, 300);  // not where the drag began, whose press would count as the first click
   EXPECT_EQ(w.workspace().shown(), std::vector<int>{0});
   w.doubleClick(540, 280);
   EXPECT_EQ(w.workspace().shown().size(), 4u);
+  EXPECT_NEAR(length(*w.workspace().crosshair(0) - after), 0, 1e-9);  // a double click moves nothing
+  w.click(560, 300);
+  EXPECT_GT(length(*w.workspace().crosshair(0) - after), 0.1);
 }
 
 TEST(Window, SeveralVolumeFilesAtOnce) {

@@ -80,10 +80,13 @@ Arrangement& Workspace::edit(Gesture kind, int t) {
 }
 
 void Workspace::beginDrag() { dragging_ = true, ++drags_; }
-void Workspace::endDrag() {
+bool Workspace::endDrag() {
   dragging_ = false;
+  if (!last_ || last_->drag != drags_ || past_.empty()) return false;
   // A drag that came back to where it began is no step.
-  if (last_ && last_->drag == drags_ && !past_.empty() && past_.back() == now_) past_.pop_back();
+  if (!(past_.back() == now_)) return true;
+  past_.pop_back();
+  return false;
 }
 
 void Workspace::undo() {

@@ -94,9 +94,9 @@ class Workspace {
   std::optional<PatientPoint> crosshair(int t) const;
   bool linked(int a, int b) const;
 
-  // Everything until endDrag() is one step of undo.
+  // Everything until endDrag() is one step of undo; false when it made none.
   void beginDrag();
-  void endDrag();
+  bool endDrag();
   bool canUndo() const { return !past_.empty(); }
   bool canRedo() const { return !future_.empty(); }
   void undo();

@@ -22,7 +22,7 @@ void Gui::frame() {
   const ImGuiIO& io = ImGui::GetIO();
   const float w = io.DisplaySize.x, h = io.DisplaySize.y;
   const bool twoRows = w < theme_.px(kOneRow);
-  const float top = theme_.px(twoRows ? 2 * kTopBar - 10 : kTopBar), bottom = theme_.px(kStatusBar);
+  const float top = theme_.px(twoRows ? 2 * kTopBar - 22 : kTopBar), bottom = theme_.px(kStatusBar);
   const float side = browserShown_ ? std::min(theme_.px(kBrowser), w * 0.4f) : 0;
   probe_ = {};
   keys();

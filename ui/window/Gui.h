@@ -84,7 +84,8 @@ class Gui {
   Theme theme_;
   Tool tool_ = Tool::Window;
   std::optional<Drag> drag_;
-  float wheel_ = 0;  // parts of a notch
+  bool clickMadeStep_ = false;  // the last click, without a move, was a step of undo
+  float wheel_ = 0;             // parts of a notch
   Probe probe_;
   std::string why_;  // why the last thing asked for could not be had
   char path_[4096] = "";

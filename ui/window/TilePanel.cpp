@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "Gui.h"
 
@@ -256,6 +257,8 @@ void Gui::hands(int t, Rect r, bool hovered) {
   }
   if (!hovered || drag_) return;
   if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
+    // The first of the two clicks may have moved the crosshair, which was not meant.
+    if (std::exchange(clickMadeStep_, false)) w.undo();
     w.setActive(t);
     w.toggleMaximised(t);
     return;
@@ -267,6 +270,7 @@ void Gui::hands(int t, Rect r, bool hovered) {
 void Gui::beginDrag(int t, int button, Rect r) {
   Workspace& w = desk_.workspace();
   w.setActive(t);
+  clickMadeStep_ = false;
   const auto place = desk_.placeOfTile(t);
   if (!place) return;
   const ImGuiIO& io = ImGui::GetIO();
@@ -321,7 +325,7 @@ void Gui::drag() {
       break;
   }
   if (ImGui::IsMouseDown(d.button)) return;
-  w.endDrag();
+  clickMadeStep_ = w.endDrag() && way == glm::dvec2(0, 0);
   drag_.reset();
 }
 
