@@ -48,7 +48,12 @@ int run(const GlobalOptions& global, const Options& o) {
   }
   start.notice = !settings->noticeSeen && o.screenshot.empty();
   // Where the home cannot be written the notice comes again next time; nothing else is lost.
-  const std::function<void()> accepted = [] { (void)rememberNoticeSeen(); };
+  const std::function<std::string()> accepted = []() -> std::string {
+    const Result<void> kept = rememberNoticeSeen();
+    if (kept) return "";
+    const Result<void> folder = checkSettingsFolder();  // as `vernier doctor` says it
+    return folder ? kept.error().sentence : folder.error().sentence;
+  };
   start.noticeAccepted = &accepted;
   const Result<void> shown = runWindow(start);
   if (shown) return 0;

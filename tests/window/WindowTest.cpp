@@ -176,17 +176,5 @@ TEST(Window, AMistypedNameIsToldBeforeTheWindow) {
   EXPECT_NE(run.err.find("such-study: There is no such file"), std::string::npos) << run.err;
 }
 
-TEST(Window, WithoutADisplayItIsOneSentence) {
-  const auto run = vernier::test::runProgram({VERNIER_PROGRAM, "view"}, 30, {"DISPLAY=", "WAYLAND_DISPLAY="});
-  EXPECT_EQ(run.exitCode, exitCode(ErrorCode::WindowUnavailable));
-  EXPECT_EQ(run.lines(run.err), 1) << run.err;
-  EXPECT_NE(run.err.find("display"), std::string::npos) << run.err;
-  const auto doctor =
-      vernier::test::runProgram({VERNIER_PROGRAM, "doctor"}, 30, {"DISPLAY=", "WAYLAND_DISPLAY="});
-  EXPECT_EQ(doctor.exitCode, 0);
-  const std::string sentence = run.err.substr(run.err.find("window: ") + 8);
-  EXPECT_NE(doctor.out.find(sentence.substr(0, sentence.size() - 1)), std::string::npos) << doctor.out;
-}
-
 }  // namespace
 }  // namespace vernier::ui

@@ -19,8 +19,8 @@ struct HostOptions {
   int width = 1280, height = 800;  // of the window at 100 %
   double scale = 0;                // 1..3; 0: the monitor's
   bool visible = true;
-  bool notice = false;  // show the notice of the first start
-  std::function<void()> noticeAccepted;
+  bool notice = false;                          // show the notice of the first start
+  std::function<std::string()> noticeAccepted;  // returns what is to be shown, if anything
 };
 
 class Host {
