@@ -48,6 +48,9 @@ class Desk {
   // Takes what is ready and posts what changed. True when something on the screen has changed.
   bool update();
   bool idle() const;
+  // Scenes handed to the renderer so far, and a wait for their drafts.
+  std::uint64_t posted() const { return generation_; }
+  bool waitForDrafts(std::chrono::milliseconds limit) const { return render_.waitForDrafts(limit); }
   std::uint64_t changes() const { return changes_; }  // counts updates that changed something
 
   const std::vector<std::unique_ptr<Document>>& documents() const { return documents_; }

@@ -114,6 +114,13 @@ std::vector<FinishedPicture> RenderService::take() {
   return all;
 }
 
+bool RenderService::waitForDrafts(std::chrono::milliseconds limit) const {
+  std::unique_lock lock(mutex_);
+  return drafted_.wait_for(lock, limit, [&] {
+    return std::none_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.stage == Stage::Draft; });
+  });
+}
+
 bool RenderService::idle() const {
   const std::lock_guard lock(mutex_);
   return !working_ && std::none_of(slots_.begin(), slots_.end(),
@@ -188,6 +195,7 @@ void RenderService::loop(std::stop_token stop) {
     if (useless || !slot->request) continue;  // a refinement that fails leaves the draft in sight
     ++drawn_;
     slot->finished = std::move(picture);
+    drafted_.notify_all();
     lock.unlock();
     wake_();
     lock.lock();

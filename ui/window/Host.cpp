@@ -11,6 +11,8 @@
 namespace vernier::ui {
 namespace {
 
+constexpr std::chrono::milliseconds kDraftWait(6);
+
 Error unavailable(const std::string& sentence) {
   return makeError(ErrorCode::WindowUnavailable, sentence, "window");
 }
@@ -235,8 +237,26 @@ void Host::frame() {
       applyScale(theme_.scale);
     }
   }
-  drawnChanges_ = desk_->changes();
   for (const InputEvent& e : input_.next()) feed(e);
+  const std::uint64_t posted = desk_->posted();
+  layOut();
+  desk_->update();  // scenes that were edited go to the renderer at once
+  // A draft often takes less time than drawing the window: then the same frame shows it.
+  if (desk_->posted() != posted && desk_->waitForDrafts(kDraftWait)) {
+    desk_->update();
+    layOut();
+    desk_->update();
+  }
+  int w = 0, h = 0;
+  glfwGetFramebufferSize(window_, &w, &h);
+  textures_->beginFrame(w, h, 0.067f, 0.075f, 0.086f);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  textures_->sweep();
+  glfwSwapBuffers(window_);
+}
+
+void Host::layOut() {
+  drawnChanges_ = desk_->changes();
   ImGuiIO& io = ImGui::GetIO();
   int w = 0, h = 0;
   glfwGetFramebufferSize(window_, &w, &h);
@@ -248,11 +268,6 @@ void Host::frame() {
   ImGui::NewFrame();
   gui_->frame();
   ImGui::Render();
-  textures_->beginFrame(w, h, 0.067f, 0.075f, 0.086f);
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-  textures_->sweep();
-  glfwSwapBuffers(window_);
-  desk_->update();  // scenes that this frame has edited go to the renderer at once
 }
 
 bool Host::settle(double limit_s) {

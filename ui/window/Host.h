@@ -47,6 +47,7 @@ class Host {
   Result<void> openWindow(const HostOptions&);
   void applyScale(float);
   void feed(const InputEvent&);
+  void layOut();  // what the frame shows, without drawing it
   void callbacks();
 
   GLFWwindow* window_ = nullptr;
