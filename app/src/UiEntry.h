@@ -17,7 +17,8 @@ struct UiStart {
   int width = 0, height = 0;  // of the window at 100 %; 0: the usual
   double scale = 0;           // 1..3; 0: the monitor's
   bool notice = false;        // show the notice of the first start
-  const std::function<void()>* noticeAccepted = nullptr;
+  // Called when it is accepted; what it returns, if anything, is shown: why this will not be remembered.
+  const std::function<std::string()>* noticeAccepted = nullptr;
   std::string screenshot;  // write the settled window as PNG and end
 };
 

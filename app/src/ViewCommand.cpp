@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // vernier view: the window.
+#include <filesystem>
+
 #include "Cli.h"
 #include "UiLibrary.h"
 #include "ViewOptions.h"
@@ -7,6 +9,18 @@
 
 namespace vernier::app {
 namespace {
+
+// A mistyped name is told to whoever typed it, before a window comes. What exists but holds nothing that can
+// be shown is said in the window, where another input can be dropped.
+Result<void> checkInputs(const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) {
+    std::error_code ec;
+    if (std::filesystem::exists(path, ec) || ec) continue;
+    return makeError(ErrorCode::FileNotFound, "There is no such file or folder; check the name.",
+                     std::filesystem::path(path).lexically_normal().filename().string());
+  }
+  return {};
+}
 
 struct Options {
   std::vector<std::string> inputs;
@@ -17,6 +31,7 @@ struct Options {
 int run(const GlobalOptions& global, const Options& o) {
   const Result<Settings> settings = readSettings(global.flags);
   if (!settings) return report(settings.error());
+  if (const Result<void> there = checkInputs(o.inputs); !there) return report(there.error());
   SessionOptions session;
   session.threads = settings->threads;
   session.memory_mb = settings->memory_mb;
@@ -33,7 +48,12 @@ int run(const GlobalOptions& global, const Options& o) {
   }
   start.notice = !settings->noticeSeen && o.screenshot.empty();
   // Where the home cannot be written the notice comes again next time; nothing else is lost.
-  const std::function<void()> accepted = [] { (void)rememberNoticeSeen(); };
+  const std::function<std::string()> accepted = []() -> std::string {
+    const Result<void> kept = rememberNoticeSeen();
+    if (kept) return "";
+    const Result<void> folder = checkSettingsFolder();  // as `vernier doctor` says it
+    return folder ? kept.error().sentence : folder.error().sentence;
+  };
   start.noticeAccepted = &accepted;
   const Result<void> shown = runWindow(start);
   if (shown) return 0;

@@ -13,7 +13,7 @@ namespace vernier::test {
 
 class VirtualDisplay {
  public:
-  explicit VirtualDisplay(const std::string& screen = "2600x1700x24") {
+  explicit VirtualDisplay(const std::string& screen = "2600x1700x24", bool withGl = true) {
     int fds[2];
     if (::pipe(fds) != 0) return;
     pid_ = ::fork();
@@ -22,7 +22,7 @@ class VirtualDisplay {
       ::close(fds[0]);
       const std::string fd = std::to_string(fds[1]);
       ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", screen.c_str(), "-nolisten", "tcp",
-               "-noreset", nullptr);
+               "-noreset", withGl ? nullptr : "-extension", "GLX", nullptr);
       ::_exit(127);
     }
     ::close(fds[1]);

@@ -6,8 +6,11 @@
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <iostream>
+#include <thread>
 
 #include "Host.h"
 #include "VirtualDisplay.h"
@@ -39,10 +42,11 @@ class WindowDriver {
   Workspace& workspace() { return host_->desk().workspace(); }
 
   bool settle(double limit_s = 30) { return host_->settle(limit_s); }
-  void open(const std::string& path) {
+  void open(const std::string& path) { open(std::vector<std::string>{path}); }
+  void open(const std::vector<std::string>& paths) {
     InputEvent e;
     e.kind = InputEvent::Kind::Drop;
-    e.paths = {path};
+    e.paths = paths;
     host_->add(e);
     EXPECT_TRUE(settle(60));
   }
@@ -72,6 +76,24 @@ class WindowDriver {
     button(b, true);
     for (int k = 1; k <= steps; ++k) move(x + dx * k / steps, y + dy * k / steps);
     button(b, false);
+  }
+  // The window's own loop, until nothing has been loaded, drawn or put in for so long.
+  void runUntilIdleFor(double quiet_s) {
+    std::atomic<bool> over = false;
+    std::thread clock([&] {
+      for (double idle_s = 0; idle_s < quiet_s; idle_s = host_->desk().idle() ? idle_s + 0.05 : 0)
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      over = true;
+      glfwPostEmptyEvent();
+    });
+    // The measured picture is taken here, as at the end of a frame that has drawn: the loop must see it.
+    int turns = 0;
+    host_->run([&] {
+      for (++turns; turns > 2 && !host_->desk().idle(); host_->desk().update())
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      return !over;
+    });
+    clock.join();
   }
   Picture screenshot() {
     EXPECT_TRUE(settle());

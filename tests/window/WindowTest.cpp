@@ -2,22 +2,15 @@
 // The window as a person uses it: opened on a study, scrolled, windowed, undone.
 #include <gtest/gtest.h>
 
-#include "RunProgram.h"
-#include "TestData.h"
 #include "WindowDriver.h"
-#include "vernier/picture/Png.h"
+#include "WindowStudies.h"
 
 namespace vernier::ui {
 namespace {
 
+using test::smallStudy;
+using test::volumeFile;
 using test::WindowDriver;
-
-std::string smallStudy(const vernier::test::TempDir& dir) {
-  const auto run = vernier::test::runProgram(
-      {VERNIER_PROGRAM, "phantom", "small-ct", "--out", (dir.path() / "study").string()}, 60);
-  EXPECT_EQ(run.exitCode, 0) << run.err;
-  return (dir.path() / "study" / "small-ct").string();
-}
 
 // The middle of the picture in a window of 1280 x 800 with the list of studies.
 constexpr double kX = 780, kY = 420;
@@ -84,22 +77,103 @@ TEST(Window, MprCrosshairAndMaximise) {
     const Plane& plane = sliceOf(w.workspace().tile(t).scene)->plane;
     EXPECT_NEAR(dot(after - plane.point, normalize(plane.normal)), 0, 1e-9);
   }
-  w.doubleClick(500, 250);
+  w.doubleClick(460, 300);  // not where the drag began, whose press would count as the first click
   EXPECT_EQ(w.workspace().shown(), std::vector<int>{0});
   w.doubleClick(540, 280);
   EXPECT_EQ(w.workspace().shown().size(), 4u);
+  EXPECT_NEAR(length(*w.workspace().crosshair(0) - after), 0, 1e-9);  // a double click moves nothing
+  w.click(560, 300);
+  EXPECT_GT(length(*w.workspace().crosshair(0) - after), 0.1);
 }
 
-TEST(Window, WithoutADisplayItIsOneSentence) {
-  const auto run = vernier::test::runProgram({VERNIER_PROGRAM, "view"}, 30, {"DISPLAY=", "WAYLAND_DISPLAY="});
-  EXPECT_EQ(run.exitCode, exitCode(ErrorCode::WindowUnavailable));
+TEST(Window, SeveralVolumeFilesAtOnce) {
+  vernier::test::TempDir dir;
+  WindowDriver w;
+  if (!w.here()) return;
+  w.open({volumeFile(dir, "first"), volumeFile(dir, "second"), smallStudy(dir)});
+  EXPECT_TRUE(w.desk().messages().empty());
+  ASSERT_EQ(w.desk().documents().size(), 1u);
+  const Document& d = *w.desk().documents()[0];
+  ASSERT_EQ(d.session->volumeFiles().size(), 2u);
+  for (const std::size_t v : {0u, 1u}) {
+    const SourceId source{d.number, d.session->sourceName({0, 0, v})};
+    w.desk().openSource(source, 0);
+    ASSERT_TRUE(w.settle());
+    const auto& picture = w.desk().tileView(0).picture;
+    ASSERT_TRUE(picture && !picture->error);
+    EXPECT_EQ(w.workspace().tile(0).source, source);
+    EXPECT_EQ(picture->volume->grid().columns, 24);
+    EXPECT_TRUE(d.thumbnails.contains(source));
+  }
+}
+
+// Inverted pixels are 255 minus what they were, whatever else was changed since.
+TEST(Window, AnInversionStays) {
+  vernier::test::TempDir dir;
+  WindowDriver w;
+  if (!w.here()) return;
+  w.open(smallStudy(dir));
+  const auto centre = [&] {
+    EXPECT_TRUE(w.settle());
+    const Picture& p = w.desk().tileView(0).picture->rgba;
+    return static_cast<int>(*p.at(p.width / 2 + 40, p.height / 2));
+  };
+  const auto edits = {
+      +[](WindowDriver& d) { d.dragBy(kX, kY, 120, 60); }, +[](WindowDriver& d) { d.wheel(-1); },
+      +[](WindowDriver& d) { d.key(GLFW_KEY_5); },         +[](WindowDriver& d) { d.key(GLFW_KEY_F4); },
+      +[](WindowDriver& d) { d.key(GLFW_KEY_DOWN); },      +[](WindowDriver& d) { d.key(GLFW_KEY_F2); },
+      +[](WindowDriver& d) { d.key(GLFW_KEY_0); }};
+  int informative = 0;
+  for (const auto& edit : edits) {
+    edit(w);
+    const int plain = centre();
+    w.key(GLFW_KEY_I);
+    EXPECT_NEAR(centre(), 255 - plain, 1);
+    w.key(GLFW_KEY_I);
+    informative += std::abs(plain - 127) > 20;
+  }
+  EXPECT_GE(informative, 5);
+  w.key(GLFW_KEY_I);
+  for (const auto& edit : edits) edit(w);
+  EXPECT_TRUE(imageOf(w.workspace().tile(0).scene)->invert);
+}
+
+// The loop draws what was finished last, although no event follows.
+TEST(Window, ThePictureFinishedLastIsOnTheScreen) {
+  vernier::test::TempDir dir;
+  WindowDriver w;
+  if (!w.here()) return;
+  w.open(smallStudy(dir));
+  w.move(kX, kY);
+  for (int round = 0; round < 3; ++round) {
+    InputEvent notch;
+    notch.kind = InputEvent::Kind::Wheel, notch.y = -1;
+    for (int k = 0; k < 3; ++k) w.host().add(notch);
+    w.runUntilIdleFor(0.6);
+    const Picture seen = w.host().screenshot();
+    w.host().frame();
+    EXPECT_TRUE(seen.pixels == w.host().screenshot().pixels) << "round " << round;
+  }
+}
+
+TEST(Window, CtrlQQuitsEvenWhileTyping) {
+  WindowDriver w;
+  if (!w.here()) return;
+  w.click(120, 64);  // the field for a path
+  w.host().frame();
+  ASSERT_TRUE(ImGui::GetIO().WantTextInput);
+  w.key(GLFW_KEY_Q);
+  EXPECT_FALSE(w.host().gui().wantsToQuit());
+  w.key(GLFW_KEY_Q, true);
+  EXPECT_TRUE(w.host().gui().wantsToQuit());
+}
+
+TEST(Window, AMistypedNameIsToldBeforeTheWindow) {
+  const auto run = vernier::test::runProgram({VERNIER_PROGRAM, "view", "/no/such-study"}, 30,
+                                             {"DISPLAY=", "WAYLAND_DISPLAY="});
+  EXPECT_EQ(run.exitCode, exitCode(ErrorCode::FileNotFound));
   EXPECT_EQ(run.lines(run.err), 1) << run.err;
-  EXPECT_NE(run.err.find("display"), std::string::npos) << run.err;
-  const auto doctor =
-      vernier::test::runProgram({VERNIER_PROGRAM, "doctor"}, 30, {"DISPLAY=", "WAYLAND_DISPLAY="});
-  EXPECT_EQ(doctor.exitCode, 0);
-  const std::string sentence = run.err.substr(run.err.find("window: ") + 8);
-  EXPECT_NE(doctor.out.find(sentence.substr(0, sentence.size() - 1)), std::string::npos) << doctor.out;
+  EXPECT_NE(run.err.find("such-study: There is no such file"), std::string::npos) << run.err;
 }
 
 }  // namespace

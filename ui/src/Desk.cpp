@@ -40,15 +40,11 @@ void Desk::close(int number) {
 void Desk::ensureKnown(const SourceId& id) {
   Document* d = document(id.document);
   if (!d || workspace_.facts(id)) return;
-  if (d->session->isVolumeFile()) {
-    if (const auto volume = d->session->readyVolume(id.name)) {
-      SourceFacts facts = factsOfVolume(*volume, id.name, id.document);
-      if (facts.title.empty()) facts.title = d->title;
-      workspace_.know(std::move(facts));
-    }
-    return;
-  }
-  if (const auto choice = d->session->choose(id.name))
+  const auto choice = d->session->choose(id.name);
+  if (!choice) return;
+  if (choice->volumeFile)
+    workspace_.know(factsOfVolumeFile(*d->session, *choice, id.document));
+  else
     workspace_.know(factsOf(*d->session, *choice, id.document));
 }
 
@@ -61,10 +57,9 @@ void Desk::openSource(const SourceId& id, int tile) {
 
 std::vector<SourceId> Desk::timePoints(const SourceId& id) const {
   const Document* d = document(id.document);
-  const auto choice = d && !d->session->isVolumeFile()
-                          ? d->session->choose(id.name)
-                          : Result<app::StackChoice>(makeError(ErrorCode::SeriesNotFound, ""));
-  if (!choice) return {};
+  const auto choice =
+      d ? d->session->choose(id.name) : Result<app::StackChoice>(makeError(ErrorCode::SeriesNotFound, ""));
+  if (!choice || choice->volumeFile) return {};
   const Series& series = *d->session->seriesOf(*choice);
   const std::size_t count = series.stacks[choice->stack].slices.size();
   std::vector<SourceId> all;
@@ -73,8 +68,6 @@ std::vector<SourceId> Desk::timePoints(const SourceId& id) const {
       all.push_back({id.document, d->session->sourceName({choice->series, k})});
   return all;
 }
-
-bool Desk::hasTime(const SourceId& id) const { return timePoints(id).size() > 1; }
 
 void Desk::stepTime(int tile, int notches) {
   const SourceId now = workspace_.tile(tile).source;
@@ -128,11 +121,6 @@ void Desk::opened(Opened o) {
   }
   auto d = std::make_unique<Document>(Document{o.document, title, o.session, {}});
   documents_.push_back(std::move(d));
-  if (o.session->isVolumeFile()) {
-    openSource({o.document, ""}, workspace_.now().active);
-    load_.thumbnail({o.document, ""}, o.session);
-    return;
-  }
   const auto& series = o.session->study().series;
   for (std::size_t s = 0; s < series.size(); ++s)
     for (std::size_t k = 0; k < series[s].stacks.size(); ++k)
@@ -156,6 +144,11 @@ bool Desk::takeReady() {
       volumeErrors_[b.source] = *b.error;
     else
       workspace_.knowGrid(b.source, b.volume->grid());
+    // Of a volume file the thumbnail waits for the volume: it is never read for the thumbnail alone.
+    Document* d = document(b.source.document);
+    const SourceFacts* f = workspace_.facts(b.source);
+    if (d && f && f->isVolumeFile && !b.error && !d->thumbnails.contains(b.source))
+      load_.thumbnail(b.source, d->session);
   }
   for (Thumbnail& t : ready.thumbnails) {
     changed = true;
@@ -165,7 +158,7 @@ bool Desk::takeReady() {
     changed = true;
     TileView& tile = tiles_[static_cast<std::size_t>(p.tile)];
     const auto& posted = posted_[static_cast<std::size_t>(p.tile)];
-    if (!posted) continue;
+    if (!posted || p.generation < posted->since) continue;  // of what the tile showed before
     const SourceFacts* f = workspace_.facts(posted->source);
     tile.place.reset();
     if (f) tile.place = placeOf(p.scene, *f, f->grid ? &*f->grid : nullptr, p.view);
@@ -200,7 +193,8 @@ void Desk::postTile(int t, bool onScreen) {
                     posted->view.width_px == shown.view.width_px &&
                     posted->view.height_px == shown.view.height_px;
   if (same) return;
-  posted = Posted{++generation_, tile.scene, shown.view, tile.source, scale_};
+  const std::uint64_t since = posted ? posted->since : generation_ + 1;
+  posted = Posted{++generation_, since, tile.scene, shown.view, tile.source, scale_};
   render_.post({t, posted->generation, d->session, tile.scene, shown.view, scale_});
 }
 

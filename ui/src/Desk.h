@@ -40,7 +40,6 @@ class Desk {
   Result<void> openMpr() { return workspace_.openMpr(); }
   // The next or previous stack of the same series with as many images: time points, echoes.
   void stepTime(int tile, int notches);
-  bool hasTime(const SourceId&) const;
   void cancelLoading() { load_.cancel(); }
 
   // Sizes of the tiles in framebuffer pixels; `scale` of letters, 1..3.
@@ -49,6 +48,9 @@ class Desk {
   // Takes what is ready and posts what changed. True when something on the screen has changed.
   bool update();
   bool idle() const;
+  // Scenes handed to the renderer so far, and a wait for their drafts.
+  std::uint64_t posted() const { return generation_; }
+  bool waitForDrafts(std::chrono::milliseconds limit) const { return render_.waitForDrafts(limit); }
   std::uint64_t changes() const { return changes_; }  // counts updates that changed something
 
   const std::vector<std::unique_ptr<Document>>& documents() const { return documents_; }
@@ -69,6 +71,7 @@ class Desk {
  private:
   struct Posted {
     std::uint64_t generation = 0;
+    std::uint64_t since = 0;  // first generation of this source in this tile
     Scene scene;
     View view;
     SourceId source;

@@ -17,7 +17,8 @@ Result<Picture> drawThumbnail(app::Session& session, const std::string& source, 
   app::RenderOptions options;
   options.measure = false;
   Scene scene = stackScene(source, *count / 2, {});
-  if (const auto volume = session.readyVolume(source); volume && session.isVolumeFile()) {
+  const Result<app::StackChoice> choice = session.choose(source);
+  if (const auto volume = session.readyVolume(source); volume && choice && choice->volumeFile) {
     Result<Scene> axial = presetScene("axial", source, *volume, {});
     if (!axial) return axial.error();
     scene = std::move(*axial);
@@ -37,13 +38,10 @@ LoadService::LoadService(app::SessionOptions options, std::function<void()> wake
       thread_([this](std::stop_token stop) { loop(stop); }) {}
 
 LoadService::~LoadService() {
-  {
-    const std::lock_guard lock(mutex_);
-    jobs_.clear();
-    stopCurrent_.request_stop();
-  }
   thread_.request_stop();
-  changed_.notify_all();
+  const std::lock_guard lock(mutex_);
+  jobs_.clear();
+  stopCurrent_.request_stop();
 }
 
 void LoadService::add(Job job) {
@@ -123,18 +121,8 @@ void LoadService::run(const Job& job, std::stop_token stop) {
   };
   if (job.kind == Kind::Open) {
     Opened opened{job.source.document, job.paths, std::make_shared<app::Session>(options_), {}};
-    if (const Result<void> done = guarded("open",
-                                          [&]() -> Result<void> {
-                                            if (auto ok = opened.session->open(job.paths, progress, stop);
-                                                !ok)
-                                              return ok;
-                                            // A volume file alone is shown at once; its voxels are loaded
-                                            // here, in the background.
-                                            if (!opened.session->isVolumeFile()) return {};
-                                            const auto volume = opened.session->volume("", progress, stop);
-                                            return volume ? Result<void>{} : volume.error();
-                                          });
-        !done)
+    const auto read = [&] { return opened.session->open(job.paths, progress, stop); };
+    if (const Result<void> done = guarded("open", read); !done)
       opened.error = done.error(), opened.session.reset();
     const std::lock_guard lock(mutex_);
     ready_.opened.push_back(std::move(opened));
@@ -167,6 +155,7 @@ void LoadService::loop(std::stop_token stop) {
     current_ = std::move(jobs_.front());
     jobs_.pop_front();
     stopCurrent_ = std::stop_source();
+    if (stop.stop_requested()) stopCurrent_.request_stop();  // closed meanwhile
     progress_ = {current_->kind == Kind::Open, current_->source, "", 0, 0};
     const Job job = *current_;
     const std::stop_token token = stopCurrent_.get_token();

@@ -79,12 +79,9 @@ RenderService::RenderService(std::function<void()> wake)
     : wake_(std::move(wake)), thread_([this](std::stop_token stop) { loop(stop); }) {}
 
 RenderService::~RenderService() {
-  {
-    const std::lock_guard lock(mutex_);
-    refining_.request_stop();
-  }
   thread_.request_stop();
-  changed_.notify_all();
+  const std::lock_guard lock(mutex_);
+  refining_.request_stop();
 }
 
 void RenderService::post(RenderRequest request) {
@@ -115,6 +112,13 @@ std::vector<FinishedPicture> RenderService::take() {
       slot.finished.reset();
     }
   return all;
+}
+
+bool RenderService::waitForDrafts(std::chrono::milliseconds limit) const {
+  std::unique_lock lock(mutex_);
+  return drafted_.wait_for(lock, limit, [&] {
+    return std::none_of(slots_.begin(), slots_.end(), [](const Slot& s) { return s.stage == Stage::Draft; });
+  });
 }
 
 bool RenderService::idle() const {
@@ -175,6 +179,7 @@ void RenderService::loop(std::stop_token stop) {
     const RenderRequest request = *slot->request;
     working_ = request.tile;
     refining_ = std::stop_source();
+    if (stop.stop_requested()) refining_.request_stop();  // closed meanwhile
     const std::stop_token cancel = measure ? refining_.get_token() : stop;
     lock.unlock();
     FinishedPicture picture = draw(request, measure, slot->reuse, cancel);
@@ -190,6 +195,7 @@ void RenderService::loop(std::stop_token stop) {
     if (useless || !slot->request) continue;  // a refinement that fails leaves the draft in sight
     ++drawn_;
     slot->finished = std::move(picture);
+    drafted_.notify_all();
     lock.unlock();
     wake_();
     lock.lock();

@@ -9,6 +9,7 @@
 // picture is ready.
 #pragma once
 #include <array>
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -65,6 +66,8 @@ class RenderService {
   void post(RenderRequest);
   void forget(int tile);  // drops what waits for the tile and what it shows
   std::vector<FinishedPicture> take();
+  // Until every newest scene has its draft, or until `limit`; true when they have.
+  bool waitForDrafts(std::chrono::milliseconds limit) const;
   bool idle() const;            // nothing waits, runs or is to be refined
   std::uint64_t drawn() const;  // drafts and refinements finished so far
 
@@ -82,6 +85,7 @@ class RenderService {
   std::function<void()> wake_;
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
+  mutable std::condition_variable drafted_;
   std::array<Slot, kTiles> slots_;
   std::chrono::steady_clock::time_point lastPost_{};
   std::optional<int> working_;

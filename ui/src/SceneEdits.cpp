@@ -88,6 +88,12 @@ Scene withWindow(Scene scene, const VoiWindow& window) {
   return scene;
 }
 
+Scene withInversion(Scene scene, bool inverted) {
+  if (auto* slice = topmost<SliceLayer>(scene)) slice->invert = inverted;
+  if (auto* image = topmost<ImageLayer>(scene)) image->invert = inverted;
+  return scene;
+}
+
 Scene panned(Scene scene, glm::dvec2 drag_px, double unit_mm) {
   scene.camera.pan_mm += glm::dvec2(-drag_px.x, drag_px.y) * unit_mm;
   return scene;

@@ -26,6 +26,7 @@ std::optional<std::int64_t> sliceNumber(const SliceLayer&, const GridGeometry&);
 // high values are dark. `scale`: pixels of the screen for one pixel of the hand (2 at 200 %).
 VoiWindow draggedWindow(const VoiWindow& from, glm::dvec2 drag_px, bool inverted, double scale = 1);
 Scene withWindow(Scene, const VoiWindow&);
+Scene withInversion(Scene, bool inverted);
 
 // unit_mm: length of a pixel in the camera's unit (mm, or columns where the spacing is not known).
 Scene panned(Scene, glm::dvec2 drag_px, double unit_mm);

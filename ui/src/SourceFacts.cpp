@@ -81,15 +81,22 @@ SourceFacts factsOf(const app::Session& session, app::StackChoice choice, int do
   return f;
 }
 
-SourceFacts factsOfVolume(const Volume& volume, const std::string& source, int document) {
+SourceFacts factsOfVolumeFile(const app::Session& session, app::StackChoice choice, int document) {
+  const VolumeFile& file = *session.volumeFileOf(choice);
+  const VolumeInfo& info = file.facts->info;
   SourceFacts f;
-  f.id = {document, source};
-  f.title = volume.info().title;
-  f.modality = volume.info().modality;
-  f.grid = volume.grid();
+  f.id = {document, session.sourceName(choice)};
+  f.title = titleOf(session, file);
+  f.modality = info.modality;
+  f.grid = info.grid;
   f.isVolumeFile = true;
-  f.linkKey = f.personKey = joined({"source", std::to_string(document), source});
+  f.linkKey = f.personKey = joined({"source", std::to_string(document), f.id.name});
   return f;
+}
+
+std::string titleOf(const app::Session& session, const VolumeFile& file) {
+  if (file.facts && !file.facts->info.title.empty()) return file.facts->info.title;
+  return std::filesystem::path(session.study().files[file.file].path).filename().string();
 }
 
 }  // namespace vernier::ui

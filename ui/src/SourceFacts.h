@@ -36,7 +36,10 @@ struct SourceFacts {
 };
 
 SourceFacts factsOf(const app::Session&, app::StackChoice, int document);
-SourceFacts factsOfVolume(const Volume&, const std::string& source, int document);
+// Of a file whose header could be read: its voxels need not be there.
+SourceFacts factsOfVolumeFile(const app::Session&, app::StackChoice, int document);
+// The file's own title, else its name.
+std::string titleOf(const app::Session&, const VolumeFile&);
 
 // "DOE^JANE" as "Doe, Jane" is not for a program to guess: components are shown as stored, "^" as ", ".
 std::string shownName(const std::string& dicomName);

@@ -24,6 +24,16 @@ std::optional<std::int64_t> nearestImage(const SourceFacts& f, PatientPoint p) {
   return best;
 }
 
+// How grey is shown, whatever shows it: a window and an inversion that somebody chose outlive a change of
+// view.
+Scene withGreyOf(Scene scene, const Scene& shown) {
+  const ImageLayer* image = imageOf(shown);
+  const SliceLayer* slice = sliceOf(shown);
+  if (const auto window = image ? image->window : slice ? slice->window : std::nullopt)
+    scene = withWindow(std::move(scene), *window);
+  return withInversion(std::move(scene), image ? image->invert : slice && slice->invert);
+}
+
 constexpr const char* kMprViews[] = {"axial", "coronal", "sagittal", "oblique"};
 
 }  // namespace
@@ -70,10 +80,13 @@ Arrangement& Workspace::edit(Gesture kind, int t) {
 }
 
 void Workspace::beginDrag() { dragging_ = true, ++drags_; }
-void Workspace::endDrag() {
+bool Workspace::endDrag() {
   dragging_ = false;
+  if (!last_ || last_->drag != drags_ || past_.empty()) return false;
   // A drag that came back to where it began is no step.
-  if (last_ && last_->drag == drags_ && !past_.empty() && past_.back() == now_) past_.pop_back();
+  if (!(past_.back() == now_)) return true;
+  past_.pop_back();
+  return false;
 }
 
 void Workspace::undo() {
@@ -108,7 +121,11 @@ void Workspace::open(const SourceId& source, int t) {
   const std::string view = f->isVolumeFile ? "axial" : "stack";
   std::optional<Scene> scene = sceneFor(*f, view);
   if (!scene) return;
+  // On an empty desk there is nothing to go back to: undo never takes away the first series.
+  const bool first =
+      std::all_of(now_.tiles.begin(), now_.tiles.end(), [](const Tile& x) { return x.empty(); });
   Arrangement& a = edit(Gesture::Open, t);
+  if (first) past_.clear(), last_.reset();
   at(t) = {source, view, std::move(*scene)};
   a.active = t;
   if (const SliceLayer* slice = sliceOf(at(t).scene))
@@ -130,11 +147,10 @@ void Workspace::setLayout(Layout layout) {
 void Workspace::openStack() {
   const SourceFacts* f = factsOfTile(now_.active);
   if (!f || f->isVolumeFile || tile(now_.active).view == "stack") return setLayout(Layout::Single);
-  const SliceLayer* slice = sliceOf(tile(now_.active).scene);
   Scene scene = stackScene(f->id.name, f->count() / 2, {});
   if (const auto p = crosshair(now_.active))
     std::get<ImageLayer>(scene.layers[0]).index = nearestImage(*f, *p).value_or(f->count() / 2);
-  if (slice && slice->window) scene = withWindow(std::move(scene), *slice->window);
+  scene = withGreyOf(std::move(scene), tile(now_.active).scene);
   Arrangement& a = edit(Gesture::Layout, -1);
   a.layout = Layout::Single;
   a.maximised.reset();
@@ -170,9 +186,6 @@ Result<void> Workspace::openMpr() {
                      f->why2d.empty() ? "This stack was not found fit for 3-D." : f->why2d);
   const Scene shown = tile(now_.active).scene;
   const PatientPoint p = firstCrosshair(*f, shown);
-  const ImageLayer* image = imageOf(shown);
-  const SliceLayer* slice = sliceOf(shown);
-  const std::optional<VoiWindow> window = image ? image->window : slice ? slice->window : std::nullopt;
   Arrangement& a = edit(Gesture::Layout, -1);
   a.layout = Layout::Quad;
   a.maximised.reset();
@@ -180,8 +193,7 @@ Result<void> Workspace::openMpr() {
   for (int t = 0; t < kTiles; ++t) {
     std::optional<Scene> scene = sceneFor(*f, kMprViews[t]);
     if (!scene) continue;
-    if (window) *scene = withWindow(std::move(*scene), *window);
-    at(t) = {f->id, kMprViews[t], std::move(*scene)};
+    at(t) = {f->id, kMprViews[t], withGreyOf(std::move(*scene), shown)};
   }
   placeThrough(a, f->linkKey, p);
   return {};

@@ -65,7 +65,8 @@ class Workspace {
   void forget(int document);
 
   void setActive(int t);
-  // The stack view of a source at its middle slice; a volume file opens as axial.
+  // The stack view of a source at its middle slice; a volume file opens as axial. On an empty desk this is no
+  // step of undo.
   void open(const SourceId&, int t);
   void setLayout(Layout);
   // One tile with the stack of the active tile's source, at the image nearest to the crosshair when it showed
@@ -93,9 +94,9 @@ class Workspace {
   std::optional<PatientPoint> crosshair(int t) const;
   bool linked(int a, int b) const;
 
-  // Everything until endDrag() is one step of undo.
+  // Everything until endDrag() is one step of undo; false when it made none.
   void beginDrag();
-  void endDrag();
+  bool endDrag();
   bool canUndo() const { return !past_.empty(); }
   bool canRedo() const { return !future_.empty(); }
   void undo();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is open: patients, studies, series and stacks, with thumbnails and findings.
+#include <algorithm>
 #include <cstring>
 
 #include "Gui.h"
@@ -83,12 +84,6 @@ void Gui::browser(Rect r) {
 }
 
 void Gui::document(Document& d) {
-  if (d.session->isVolumeFile()) {
-    static const Series none;
-    static const Stack noStack;
-    stackRow(d, none, noStack, {d.number, ""}, d.title, "volume file");
-    return;
-  }
   const StudySet& set = d.session->study();
   for (const Patient& p : set.patients) {
     ImGui::PushFont(theme_.bold);
@@ -107,14 +102,7 @@ void Gui::document(Document& d) {
       ImGui::TextUnformatted(joined({shownDate(study.date), study.description}, "  ").c_str());
       for (const std::size_t s : study.series) {
         const Series& series = set.series[s];
-        if (series.stacks.empty()) {
-          ImGui::PushFont(theme_.small);
-          ImGui::TextDisabled("%s", joined({series.modality, series.description,
-                                            counted(series.instances.size(), "object") + ", not shown"},
-                                           "  ")
-                                        .c_str());
-          ImGui::PopFont();
-        }
+        if (series.stacks.empty()) objects(set, series);
         for (std::size_t k = 0; k < series.stacks.size(); ++k) {
           const Stack& stack = series.stacks[k];
           const std::string title =
@@ -129,6 +117,56 @@ void Gui::document(Document& d) {
       }
     }
     ImGui::Dummy({0, theme_.px(4)});
+  }
+  volumeFiles(d);
+}
+
+// What of a series is no image: presentation states, reports and the like.
+void Gui::objects(const StudySet& set, const Series& series) {
+  ImGui::PushFont(theme_.small);
+  std::size_t states = 0;
+  for (std::size_t n = 0; n < set.presentations.size(); ++n) {
+    const PresentationState& p = set.presentations[n];
+    if (std::find(series.instances.begin(), series.instances.end(), p.instance) == series.instances.end())
+      continue;
+    ++states;
+    const std::string name = joined({p.label, p.description}, ": ");
+    ImGui::TextDisabled("%s", joined({series.modality, "presentation state", p.label}, "  ").c_str());
+    if (!ImGui::IsItemHovered()) continue;
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(theme_.px(400));
+    if (!name.empty()) ImGui::TextUnformatted(name.c_str());
+    const std::string how = p.whyNot.empty()
+                                ? "The window shows the image without it; `vernier render STUDY --view stack "
+                                  "--presentation " +
+                                      std::to_string(n + 1) + "` applies it."
+                                : "Listed only: " + p.whyNot + ".";
+    ImGui::TextDisabled("%s", how.c_str());
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+  }
+  if (const std::size_t others = series.instances.size() - states; others > 0)
+    ImGui::TextDisabled(
+        "%s", joined({series.modality, series.description, counted(others, "object") + ", not shown"}, "  ")
+                  .c_str());
+  ImGui::PopFont();
+}
+
+void Gui::volumeFiles(Document& d) {
+  static const Series none;
+  static const Stack noStack;
+  const auto& files = d.session->volumeFiles();
+  for (std::size_t v = 0; v < files.size(); ++v) {
+    const std::string title = titleOf(*d.session, files[v]);
+    if (files[v].facts) {
+      const SourceId source{d.number, d.session->sourceName({0, 0, v})};
+      stackRow(d, none, noStack, source, title, "volume file  " + files[v].facts->format);
+      continue;
+    }
+    ImGui::PushFont(theme_.small);
+    ImGui::TextDisabled("%s  not shown", title.c_str());
+    if (ImGui::IsItemHovered() && files[v].error) ImGui::SetTooltip("%s", files[v].error->sentence.c_str());
+    ImGui::PopFont();
   }
 }
 

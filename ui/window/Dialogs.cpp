@@ -91,7 +91,7 @@ void Gui::notice() {
   if (ImGui::Button("Understood", {theme_.px(120), 0}) ||
       ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false)) {
     notice_ = false;
-    if (noticeAccepted_) noticeAccepted_();
+    if (noticeAccepted_) why_ = noticeAccepted_();
   }
   ImGui::End();
   ImGui::PopStyleVar(2);

@@ -22,7 +22,7 @@ void Gui::frame() {
   const ImGuiIO& io = ImGui::GetIO();
   const float w = io.DisplaySize.x, h = io.DisplaySize.y;
   const bool twoRows = w < theme_.px(kOneRow);
-  const float top = theme_.px(twoRows ? 2 * kTopBar - 10 : kTopBar), bottom = theme_.px(kStatusBar);
+  const float top = theme_.px(twoRows ? 2 * kTopBar - 22 : kTopBar), bottom = theme_.px(kStatusBar);
   const float side = browserShown_ ? std::min(theme_.px(kBrowser), w * 0.4f) : 0;
   probe_ = {};
   keys();
@@ -39,6 +39,7 @@ void Gui::frame() {
 
 void Gui::keys() {
   const ImGuiIO& io = ImGui::GetIO();
+  if (io.KeyCtrl && pressed(GLFW_KEY_Q)) quit_ = true;  // whatever is open
   if (io.WantTextInput) return;
   Workspace& w = desk_.workspace();
   const int active = w.now().active;
@@ -54,7 +55,6 @@ void Gui::keys() {
   if (io.KeyCtrl) {
     if (pressed(GLFW_KEY_Z) && !io.KeyShift) w.undo();
     if (pressed(GLFW_KEY_Y) || (pressed(GLFW_KEY_Z) && io.KeyShift)) w.redo();
-    if (pressed(GLFW_KEY_Q)) quit_ = true;
     if (pressed(GLFW_KEY_B)) browserShown_ = !browserShown_;
     return;
   }

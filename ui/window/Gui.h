@@ -20,9 +20,13 @@ class Gui {
   // Between ImGui::NewFrame() and ImGui::Render().
   void frame();
 
-  void showNotice(std::function<void()> accepted) { noticeAccepted_ = std::move(accepted), notice_ = true; }
+  void showNotice(std::function<std::string()> accepted) {
+    noticeAccepted_ = std::move(accepted), notice_ = true;
+  }
   bool wantsToQuit() const { return quit_; }
   Tool tool() const { return tool_; }
+  // Why the last thing asked for could not be had; "" when it could.
+  const std::string& why() const { return why_; }
 
  private:
   struct Rect {
@@ -69,6 +73,8 @@ class Gui {
   void browser(Rect);
   void openField();
   void document(Document&);
+  void objects(const StudySet&, const Series&);
+  void volumeFiles(Document&);
   void stackRow(Document&, const Series&, const Stack&, const SourceId&, const std::string& title,
                 const std::string& about);
   void badge(const std::vector<const Finding*>&, ImVec2 at);
@@ -82,12 +88,13 @@ class Gui {
   Theme theme_;
   Tool tool_ = Tool::Window;
   std::optional<Drag> drag_;
-  float wheel_ = 0;  // parts of a notch
+  bool clickMadeStep_ = false;  // the last click, without a move, was a step of undo
+  float wheel_ = 0;             // parts of a notch
   Probe probe_;
-  std::string why_;  // why the last thing asked for could not be had
+  std::string why_;
   char path_[4096] = "";
   bool help_ = false, quit_ = false, notice_ = false, browserShown_ = true;
-  std::function<void()> noticeAccepted_;
+  std::function<std::string()> noticeAccepted_;
 };
 
 }  // namespace vernier::ui

@@ -11,6 +11,8 @@
 namespace vernier::ui {
 namespace {
 
+constexpr std::chrono::milliseconds kDraftWait(6);
+
 Error unavailable(const std::string& sentence) {
   return makeError(ErrorCode::WindowUnavailable, sentence, "window");
 }
@@ -36,9 +38,12 @@ double pixelsPerUnit(GLFWwindow* w) {
 // Every text that a document brings to the screen; bounded, since each character costs room in the atlas.
 std::string textsOf(const Document& d) {
   std::string all;
+  all += d.title;
   for (const Patient& p : d.session->study().patients) all += p.name;
   for (const Study& s : d.session->study().studies) all += s.description;
   for (const Series& s : d.session->study().series) all += s.description;
+  for (const PresentationState& p : d.session->study().presentations) all += p.label + p.description;
+  for (const VolumeFile& v : d.session->volumeFiles()) all += titleOf(*d.session, v);
   return all.substr(0, 20'000);
 }
 
@@ -47,7 +52,10 @@ std::string textsOf(const Document& d) {
 Result<std::unique_ptr<Host>> Host::make(const HostOptions& o) {
   std::unique_ptr<Host> host(new Host());
   if (const Result<void> opened = host->openWindow(o); !opened) return opened.error();
-  host->desk_ = std::make_unique<Desk>(o.session, [] { glfwPostEmptyEvent(); });
+  host->desk_ = std::make_unique<Desk>(o.session, [h = host.get()] {
+    h->woken_ = true;
+    glfwPostEmptyEvent();
+  });
   host->gui_ = std::make_unique<Gui>(*host->desk_, *host->textures_);
   host->applyScale(host->theme_.scale);
   if (o.notice) host->gui_->showNotice(o.noticeAccepted);
@@ -230,6 +238,25 @@ void Host::frame() {
     }
   }
   for (const InputEvent& e : input_.next()) feed(e);
+  const std::uint64_t posted = desk_->posted();
+  layOut();
+  desk_->update();  // scenes that were edited go to the renderer at once
+  // A draft often takes less time than drawing the window: then the same frame shows it.
+  if (desk_->posted() != posted && desk_->waitForDrafts(kDraftWait)) {
+    desk_->update();
+    layOut();
+    desk_->update();
+  }
+  int w = 0, h = 0;
+  glfwGetFramebufferSize(window_, &w, &h);
+  textures_->beginFrame(w, h, 0.067f, 0.075f, 0.086f);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  textures_->sweep();
+  glfwSwapBuffers(window_);
+}
+
+void Host::layOut() {
+  drawnChanges_ = desk_->changes();
   ImGuiIO& io = ImGui::GetIO();
   int w = 0, h = 0;
   glfwGetFramebufferSize(window_, &w, &h);
@@ -241,11 +268,6 @@ void Host::frame() {
   ImGui::NewFrame();
   gui_->frame();
   ImGui::Render();
-  textures_->beginFrame(w, h, 0.067f, 0.075f, 0.086f);
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-  textures_->sweep();
-  glfwSwapBuffers(window_);
-  desk_->update();  // scenes that this frame has edited go to the renderer at once
 }
 
 bool Host::settle(double limit_s) {
@@ -273,14 +295,16 @@ Picture Host::screenshot() {
 
 void Host::run(const std::function<bool()>& goOn) {
   while (!glfwWindowShouldClose(window_) && !gui_->wantsToQuit() && (!goOn || goOn())) {
-    if (framesWanted_ > 0 || !input_.empty())
+    if (framesWanted_ > 0 || !input_.empty() || woken_)
       glfwPollEvents();
     else
       glfwWaitEvents();
     if (!input_.empty()) framesWanted_ = 2;
-    const std::uint64_t before = desk_->changes();
-    desk_->update();
-    if (desk_->changes() != before || desk_->progress()) framesWanted_ = std::max(framesWanted_, 2);
+    const bool woken = woken_.exchange(false);
+    if (woken) desk_->update();
+    // What counts is what the last frame has drawn: it may have taken a picture after it drew.
+    if (desk_->changes() != drawnChanges_ || (woken && desk_->progress()))
+      framesWanted_ = std::max(framesWanted_, 2);
     if (framesWanted_ <= 0) continue;
     --framesWanted_;
     frame();

@@ -2,6 +2,7 @@
 // Host: the window itself (GLFW, OpenGL 3.3) around Gui and Desk. Everything on the main thread; only wake()
 // may be called from others. Draws when something has changed and sleeps otherwise.
 #pragma once
+#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,8 +19,8 @@ struct HostOptions {
   int width = 1280, height = 800;  // of the window at 100 %
   double scale = 0;                // 1..3; 0: the monitor's
   bool visible = true;
-  bool notice = false;  // show the notice of the first start
-  std::function<void()> noticeAccepted;
+  bool notice = false;                          // show the notice of the first start
+  std::function<std::string()> noticeAccepted;  // returns what is to be shown, if anything
 };
 
 class Host {
@@ -46,6 +47,7 @@ class Host {
   Result<void> openWindow(const HostOptions&);
   void applyScale(float);
   void feed(const InputEvent&);
+  void layOut();  // what the frame shows, without drawing it
   void callbacks();
 
   GLFWwindow* window_ = nullptr;
@@ -54,7 +56,9 @@ class Host {
   float fixedScale_ = 0;
   double lastFrame_s_ = 0;
   int framesWanted_ = 2;
-  std::string fontText_;  // characters that the fonts have beyond the usual ones
+  std::atomic<bool> woken_ = false;  // by a thread that has something ready
+  std::uint64_t drawnChanges_ = 0;   // Desk::changes() that the last frame has drawn
+  std::string fontText_;             // characters that the fonts have beyond the usual ones
   InputQueue input_;
   std::unique_ptr<Textures> textures_;
   std::unique_ptr<Desk> desk_;

@@ -17,6 +17,12 @@ std::vector<InputEvent> InputQueue::next() {
          taken([](const InputEvent& o) { return o.kind == Kind::Button || o.kind == Kind::Wheel; })) ||
         ((e.kind == Kind::Button || e.kind == Kind::Key) &&
          taken([&](const InputEvent& o) { return o.kind == e.kind && o.code == e.code; })) ||
+        // Keys go up after what was done while they were down: Ctrl must be seen with the key that it
+        // changes.
+        (e.kind == Kind::Key && !e.down &&
+         taken([](const InputEvent& o) { return o.kind == Kind::Key && o.down; })) ||
+        (e.kind == Kind::Key &&
+         taken([](const InputEvent& o) { return o.kind == Kind::Button || o.kind == Kind::Wheel; })) ||
         (e.kind == Kind::Wheel && taken([](const InputEvent& o) { return o.kind == Kind::Button; })) ||
         (e.kind == Kind::Drop && !out.empty());
     if (waits) break;

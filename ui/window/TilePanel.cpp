@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "Gui.h"
 
@@ -156,18 +157,21 @@ void Gui::emptyTile(Rect r) {
 void Gui::volumeState(int t, Rect r) {
   const Workspace& w = desk_.workspace();
   const SourceId& source = w.tile(t).source;
+  const SourceFacts* f = w.factsOfTile(t);
+  const bool stack = f && !f->isVolumeFile;  // its images can be seen without the volume
   if (const Error* e = desk_.volumeError(source)) {
     const bool cancelled = e->code == ErrorCode::Cancelled;
     sentence(r, cancelled ? "Loading was cancelled" : "This volume cannot be shown",
-             cancelled ? "The stack view needs no volume: choose Stack."
-                       : e->sentence + " The stack view still works.",
+             cancelled
+                 ? (stack ? "The stack view needs no volume: choose Stack." : "It can be started again.")
+                 : e->sentence + (stack ? " The stack view still works." : ""),
              cancelled ? colour::kText : colour::kAmber);
     ImGui::SetCursorScreenPos({r.x + (r.w - theme_.px(96)) / 2, r.y + r.h / 2 + theme_.px(44)});
     if (ImGui::Button("Try again", {theme_.px(96), 0})) desk_.retryVolume(source);
     return;
   }
   const auto p = desk_.progress();
-  std::string text = "The stack can be scrolled meanwhile. Esc cancels.";
+  std::string text = stack ? "The stack can be scrolled meanwhile. Esc cancels." : "Esc cancels.";
   if (p && p->source == source && p->total > 0)
     text = std::to_string(p->done) + " of " + std::to_string(p->total) + " slices. " + text;
   sentence(r, "Loading the volume", text, colour::kText);
@@ -253,6 +257,8 @@ void Gui::hands(int t, Rect r, bool hovered) {
   }
   if (!hovered || drag_) return;
   if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
+    // The first of the two clicks may have moved the crosshair, which was not meant.
+    if (std::exchange(clickMadeStep_, false)) w.undo();
     w.setActive(t);
     w.toggleMaximised(t);
     return;
@@ -264,6 +270,7 @@ void Gui::hands(int t, Rect r, bool hovered) {
 void Gui::beginDrag(int t, int button, Rect r) {
   Workspace& w = desk_.workspace();
   w.setActive(t);
+  clickMadeStep_ = false;
   const auto place = desk_.placeOfTile(t);
   if (!place) return;
   const ImGuiIO& io = ImGui::GetIO();
@@ -318,7 +325,7 @@ void Gui::drag() {
       break;
   }
   if (ImGui::IsMouseDown(d.button)) return;
-  w.endDrag();
+  clickMadeStep_ = w.endDrag() && way == glm::dvec2(0, 0);
   drag_.reset();
 }
 

@@ -158,11 +158,39 @@ TEST(Workspace, EveryEditIsUndoneAndRedone) {
   EXPECT_FALSE(w.canRedo());
 }
 
-TEST(Workspace, TheOpeningItselfCanBeUndone) {
-  Workspace w = withStack();
-  w.undo();
-  EXPECT_TRUE(w.tile(0).empty());
+TEST(Workspace, UndoNeverTakesAwayTheFirstSeries) {
+  Workspace w;
+  w.know(axialFacts(0, "a"));
+  w.know(axialFacts(0, "b"));
+  w.setLayout(Layout::Pair);  // a step on an empty desk, which is gone with it
+  w.open({0, "a"}, 0);
+  const Arrangement opened = w.now();
   EXPECT_FALSE(w.canUndo());
+  w.scroll(0, 1);
+  w.undo();
+  w.undo();
+  EXPECT_EQ(w.now(), opened);
+  w.open({0, "b"}, 0);  // in place of the first: this can be undone
+  w.undo();
+  EXPECT_EQ(w.now(), opened);
+}
+
+TEST(Workspace, AnInversionOutlivesWindowSliceAndView) {
+  Workspace w = withStack();
+  w.invert(0);
+  w.setWindow(0, {40, 80, VoiFunction::Linear, ""});
+  w.scroll(0, 3);
+  w.choose(0, {});
+  EXPECT_TRUE(imageOf(w.tile(0).scene)->invert);
+  ASSERT_TRUE(w.openMpr());
+  w.scroll(1, 2);
+  w.setWindow(2, {40, 80, VoiFunction::Linear, ""});
+  for (int t = 0; t < 4; ++t) EXPECT_TRUE(sliceOf(w.tile(t).scene)->invert) << t;
+  w.openStack();
+  EXPECT_TRUE(imageOf(w.tile(0).scene)->invert);
+  w.invert(0);
+  ASSERT_TRUE(w.openMpr());
+  for (int t = 0; t < 4; ++t) EXPECT_FALSE(sliceOf(w.tile(t).scene)->invert) << t;
 }
 
 TEST(Workspace, ADragIsOneStepAndNotchesInARowAreOne) {
