@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <memory>
+
 #include "vernier/plan/Technique.h"
 
 namespace vernier::angiography {
-Technique nativeProjectionTechnique();
-}
+struct ShellStore;
+Technique nativeShellsTechnique(std::shared_ptr<ShellStore>);
+}  // namespace vernier::angiography

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "AngiographyTechniques.h"
+#include "ShellParams.h"
 #include "vernier/angiography/Angiography.h"
+#include "vernier/base/Budget.h"
 
 namespace vernier::angiography {
 
-Result<void> registerAngiography(Host& host) { return host.addTechnique(nativeProjectionTechnique()); }
+Result<void> registerAngiography(Host& host) {
+  const auto store = std::make_shared<ShellStore>(MemoryBudget::halfOfFreeBytes());
+  return host.addTechnique(nativeShellsTechnique(store));
+}
 
 }  // namespace vernier::angiography
