@@ -7,4 +7,6 @@
 namespace vernier::angiography {
 struct ShellStore;
 Technique nativeShellsTechnique(std::shared_ptr<ShellStore>);
+Technique glShellsTechnique(Host&, std::shared_ptr<ShellStore>);
+Technique glMaxShellsTechnique(Host&, std::shared_ptr<ShellStore>);
 }  // namespace vernier::angiography

@@ -8,7 +8,10 @@ namespace vernier::angiography {
 
 Result<void> registerAngiography(Host& host) {
   const auto store = std::make_shared<ShellStore>(MemoryBudget::halfOfFreeBytes());
-  return host.addTechnique(nativeShellsTechnique(store));
+  for (Technique t :
+       {nativeShellsTechnique(store), glShellsTechnique(host, store), glMaxShellsTechnique(host, store)})
+    if (Result<void> r = host.addTechnique(std::move(t)); !r) return r;
+  return {};
 }
 
 }  // namespace vernier::angiography
