@@ -7,6 +7,7 @@
 #include "vernier/picture/Hatch.h"
 #include "vernier/picture/Outline.h"
 #include "vernier/picture/Quantise.h"
+#include "vernier/plan/Volumetric.h"
 #include "vernier/volume/Voi.h"
 
 namespace vernier::app {
@@ -51,6 +52,18 @@ Result<Annotations> describeLayer(Session& session, const ImageLayer& layer, con
   return describeImage(layer, imagePicture(layer, scene.camera, view, info, applied), info, window, applied);
 }
 
+// Projections and shells: told alike, by a function of their own.
+template <class Look, class Describe>
+Result<Annotations> describeLook(Session& session, const Look& layer, const Scene& scene, const View& view,
+                                 Describe&& describe) {
+  const auto volume = session.volume(layer.source);
+  if (!volume) return volume.error();
+  const Result<CameraPicture> camera = cameraPicture(scene.camera, view, cameraBox((*volume)->grid()));
+  if (!camera) return camera.error();
+  const VoiWindow window = layer.window && usableWindow(*layer.window) ? *layer.window : wholeRange(**volume);
+  return describe(layer, *camera, (*volume)->info(), window, scene.crop || !scene.clip.empty());
+}
+
 Result<void> hatchLayer(Session& session, const Layer& layer, const Scene& scene, const View& view,
                         const Images& images, Picture& picture) {
   const auto hatch = [&](const std::string& source, const auto& placed) -> Result<void> {
@@ -92,6 +105,12 @@ bool isSlice(const Scene& scene) {
                      [](const Layer& l) { return std::holds_alternative<SliceLayer>(l); });
 }
 
+bool looksThrough(const Scene& scene) {
+  return std::any_of(scene.layers.begin(), scene.layers.end(), [](const Layer& l) {
+    return std::holds_alternative<ProjectionLayer>(l) || std::holds_alternative<ShellsLayer>(l);
+  });
+}
+
 constexpr double kOutline_px = 1.6;
 
 Result<void> drawOutlines(Picture& picture, Session& session, const Scene& scene, const View& view,
@@ -126,13 +145,23 @@ Result<Annotations> annotationsFor(Session& session, const Scene& scene, const V
       said = describeLayer(session, *curved, scene, view);
     if (const auto* image = std::get_if<ImageLayer>(&*layer))
       said = describeLayer(session, *image, scene, view);
-    if (std::holds_alternative<SurfaceLayer>(*layer) && !isSlice(scene))
+    if (const auto* projection = std::get_if<ProjectionLayer>(&*layer))
+      said = describeLook(session, *projection, scene, view, describeProjection);
+    if (const auto* shells = std::get_if<ShellsLayer>(&*layer))
+      said = describeLook(session, *shells, scene, view, describeShells);
+    if (std::holds_alternative<SurfaceLayer>(*layer) && !isSlice(scene) && !looksThrough(scene))
       said = describeSurfaces(session, scene, view);
     if (!said) continue;
     if (!*said) return said->error();
     a = std::move(**said);
     break;
   }
+  if (const auto tools =
+          std::count_if(scene.layers.begin(), scene.layers.end(),
+                        [](const Layer& l) { return std::holds_alternative<SurfaceLayer>(l); });
+      tools > 0 && looksThrough(scene))
+    a.what.push_back({std::to_string(tools) + (tools == 1 ? " surface" : " surfaces") + ", mm assumed",
+                      std::to_string(tools) + " surfaces", Tone::Normal});
   if (!r.plan.afterwards.empty())
     a.what.push_back({"surface outlines, mm assumed", "outlines", Tone::Normal});
   if (showsNothing(r.frame.images)) a.what.push_back({kNoDataHere, "no data", Tone::Amber});

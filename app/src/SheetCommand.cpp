@@ -2,6 +2,7 @@
 // vernier sheet: the slices of a study on one picture, with time and measured error under each.
 #include <cstdio>
 #include <iostream>
+#include <utility>
 
 #include "Annotations.h"
 #include "OptionChecks.h"
@@ -44,18 +45,33 @@ Result<double> frame_ms(Session& session, const RenderRequest& r, double step, s
   return median(ms);
 }
 
-// "oblique:cubic" is the view oblique with cubic interpolation.
+// Of the options of looks through a volume each view takes its own; ":cued" adds a depth cue.
+void keepOwn(const std::string& view, bool cued, VolumeOptions& o) {
+  const VolumeOptions given = std::exchange(o, {});
+  if (view.starts_with("shells")) {
+    o = given;
+    o.cue.reset(), o.gain_perMm.reset();
+    if (cued) o.a = 0.6, o.b = 0.4;
+  }
+  if (view == "mip") o.cue = cued ? std::optional(0.6) : given.cue;
+  if (view == "sum" || view == "attenuation") o.gain_perMm = given.gain_perMm;
+}
+
+// "oblique:cubic" is the view oblique with cubic interpolation, "mip:cued" a depth-cued maximum.
 Result<ViewOptions> optionsFor(const Options& o, const std::string& name) {
   ViewOptions one = o.view;
   const std::size_t colon = name.find(':');
   const std::string view = one.view = name.substr(0, colon);
-  if (colon != std::string::npos) {
-    one.interpolation = name.substr(colon + 1);
-    if (one.interpolation != "nearest" && one.interpolation != "linear" && one.interpolation != "cubic")
-      return makeError(ErrorCode::OptionInvalid,
-                       "'" + name + "' is no view; after the colon stands nearest, linear or cubic.",
-                       "--views");
-  }
+  const std::string how = colon == std::string::npos ? "" : name.substr(colon + 1);
+  const bool cued = how == "cued" && (view == "mip" || view.starts_with("shells"));
+  if (how == "nearest" || how == "linear" || how == "cubic")
+    one.interpolation = how;
+  else if (!how.empty() && !cued)
+    return makeError(ErrorCode::OptionInvalid,
+                     "'" + name +
+                         "' is no view; after the colon stands nearest, linear or cubic, or, of mip and "
+                         "shells, cued.",
+                     "--views");
   const bool free =
       view == "oblique" || view == "slab";  // each option goes to the views that have a use for it
   if (free || view == "curved") one.slice.reset();
@@ -63,6 +79,7 @@ Result<ViewOptions> optionsFor(const Options& o, const std::string& name) {
   if (view != "slab") one.slab_mm.reset(), one.slabMode.clear();
   if (view != "curved") one.path.clear(), one.form.clear(), one.pathUp.clear(), one.width_mm.reset();
   if (view == "stack" && one.interpolation == "cubic") one.interpolation.clear();
+  keepOwn(view, cued, one.volume);
   return one;
 }
 
@@ -138,14 +155,16 @@ Command addSheet(CLI::App& app, GlobalOptions& global) {
   addViewOptions(*sub, o->view);
   sub->add_option("--out", o->out, "Contact sheet, PNG")->required();
   sub->add_option("--title", o->title, "Title of the sheet");
-  sub->add_option("--views", o->views, "Views, in order; oblique:cubic for another interpolation")
+  sub->add_option("--views", o->views,
+                  "Views, in order; oblique:cubic for another interpolation, mip:cued for a depth cue")
       ->delimiter(',');
   sub->add_option("--columns", o->columns, "Pictures in a row")->check(CLI::Range(1, 20));
   sub->footer(
       "Examples:\n"
       "  vernier sheet STUDY --out sheet.png --preset brain\n"
       "  vernier sheet STUDY --out sheet.png --views axial,oblique,oblique:cubic,curved --path "
-      "\"0,0,-40;9,2,0;0,5,40\"");
+      "\"0,0,-40;9,2,0;0,5,40\"\n"
+      "  vernier sheet STUDY --out looks.png --views mip,mip:cued,shells,shells-sum,sum --surface screw.stl");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 

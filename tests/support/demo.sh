@@ -29,6 +29,27 @@ arch="-38,-20,-88;-29,-45,-88;-18,-70,-88;0,-80,-88;18,-70,-88;29,-45,-88;38,-20
   --width 70
 [ -n "$study" ] || cp "$out/contact-sheet-synthetic.png" "$out/contact-sheet.png"
 
+say "Looks through volumes: projections, emission shells, and a tool among them:"
+"$vernier" phantom vessels --out "$out" >/dev/null
+screw=../shared/data/surf_pedicle_screw/D4.5L30.stl
+if [ ! -f "$screw" ]; then
+  "$vernier" phantom screw --out "$out" >/dev/null
+  screw=$(find "$out/screw" -name '*.stl' | head -n 1)
+fi
+angio=$out/vessels
+looks=mip,mip:cued,minip,mean,sum,shells,shells:cued,shells-sum,shells-lit,attenuation
+if [ -d ../shared/data/vol_cta_avm ]; then angio=../shared/data/vol_cta_avm/AVM.nii.gz; fi
+for projection in orthographic perspective; do
+  "$vernier" sheet "$out/vessels" --out "$out/looks-$projection.png" --title "vessels, $projection" --columns 5 \
+    --size 384x384 --views "$looks" --camera "azimuth=30,elevation=20,zoom=1.4,projection=$projection"
+  "$vernier" sheet "$out/vessels" --out "$out/looks-tool-$projection.png" --title "vessels and a screw, $projection" \
+    --columns 5 --size 384x384 --views "$looks" --surface "$screw" \
+    --camera "azimuth=30,elevation=20,zoom=1.4,projection=$projection"
+  [ "$angio" = "$out/vessels" ] ||
+    "$vernier" sheet "$angio" --out "$out/looks-angiography-$projection.png" --title "CT angiography, $projection" \
+      --columns 5 --size 384x384 --views "$looks" --camera "azimuth=30,elevation=20,zoom=1.4,projection=$projection"
+done
+
 say "Broken series load too; what is wrong is said:"
 for broken in tilt gap uneven; do
   "$vernier" phantom "$broken" --out "$out" >/dev/null

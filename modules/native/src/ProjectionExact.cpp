@@ -83,13 +83,12 @@ class ExactPart {
       const double stored = (start.best - rescale_.intercept) / rescale_.slope;
       search.begin(sign * stored - 1e-5 * (1 + std::abs(stored)), (start.at_mm - from_) / length_);
     }
-    groups([&](double a, double b, float high, float low) {
-      const double bound =
-          ((greatest ? static_cast<double>(high) : static_cast<double>(low)) - rescale_.intercept) /
-          rescale_.slope;
-      if (leavesOut_ && !(sign * bound > search.best())) return;
-      search.within(walk_, a, b, work);
-    });
+    bricks(
+        [&](float high, float low) {
+          const double modality = static_cast<double>(greatest ? high : low);
+          return sign * (modality - rescale_.intercept) / rescale_.slope > search.best();
+        },
+        [&](double a, double b) { search.within(walk_, a, b, work); });
     Gathered out;
     out.best = rescale_.intercept + rescale_.slope * sign * search.best();
     out.at_mm = from_ + search.place() * length_;
@@ -101,14 +100,14 @@ class ExactPart {
     const VoiRamp ramp = rampOf(job_.window);
     const double scale = 1 / (ramp.hi - ramp.lo);
     double sum = 0;
-    groups([&](double a, double b, float high, float) {
-      if (leavesOut_ && !(static_cast<double>(high) > ramp.lo)) return;
-      pieces(a, b, work, [&](Cubic c, double length) {
-        for (double* x : {&c.c0, &c.c1, &c.c2, &c.c3}) *x *= rescale_.slope * scale;
-        c.c0 += (rescale_.intercept - ramp.lo) * scale;
-        sum += length * integralClamped(c);
-      });
-    });
+    bricks([&](float high, float) { return static_cast<double>(high) > ramp.lo; },
+           [&](double a, double b) {
+             pieces(a, b, work, [&](Cubic c, double length) {
+               for (double* x : {&c.c0, &c.c1, &c.c2, &c.c3}) *x *= rescale_.slope * scale;
+               c.c0 += (rescale_.intercept - ramp.lo) * scale;
+               sum += length * integralClamped(c);
+             });
+           });
     Gathered out;
     out.integral = sum * length_, out.length_mm = length_;
     return out;
@@ -125,9 +124,10 @@ class ExactPart {
   }
 
  private:
-  template <class Fn>
-  void groups(Fn&& fn) {
-    if (!leavesOut_) return fn(walk_.begin(), walk_.end(), 0.0f, 0.0f);
+  // Calls take(a, b) for the stretches whose bounds matter: by coarse bricks first, then by fine ones.
+  template <class Matters, class Take>
+  void bricks(Matters&& matters, Take&& take) {
+    if (!leavesOut_) return take(walk_.begin(), walk_.end());
     const BoundsLevel& coarse = job_.bounds->coarse;
     for (double a = walk_.begin(); a < walk_.end();) {
       const double b = std::min(a + group_, walk_.end());
@@ -137,8 +137,40 @@ class ExactPart {
         at[n] = std::clamp(static_cast<std::int64_t>(std::floor(middle[n] / kCoarseEdge)), std::int64_t{0},
                            static_cast<std::int64_t>(coarse.size[static_cast<std::size_t>(n)]) - 1);
       const std::size_t index = coarse.index(at[0], at[1], at[2]);
-      fn(a, b, coarse.greatest[index], coarse.least[index]);
+      if (matters(coarse.greatest[index], coarse.least[index])) fineBricks(a, b, matters, take);
       a = b;
+    }
+  }
+
+  template <class Matters, class Take>
+  void fineBricks(double a, double b, Matters&& matters, Take&& take) {
+    const BoundsLevel& fine = job_.bounds->fine;
+    const glm::dvec3 origin = ray_.at(from_), direction = length_ * ray_.direction;
+    const glm::dvec3 at = origin + a * direction;
+    std::int64_t brick[3];
+    double next[3];
+    const auto faceAhead = [&](int n) {
+      if (std::abs(direction[n]) <= kParallel_vox) return std::numeric_limits<double>::infinity();
+      const double face = static_cast<double>(kFineEdge * (brick[n] + (direction[n] > 0 ? 1 : 0)));
+      return (face - origin[n]) / direction[n];
+    };
+    for (int n = 0; n < 3; ++n) {
+      brick[n] = static_cast<std::int64_t>(std::floor(at[n] / kFineEdge));
+      next[n] = faceAhead(n);
+    }
+    const auto bounded = [&](int n) {
+      return std::clamp(brick[n], std::int64_t{0},
+                        static_cast<std::int64_t>(fine.size[static_cast<std::size_t>(n)]) - 1);
+    };
+    for (double t = a; t < b;) {
+      const int axis = next[0] < next[1] ? (next[0] < next[2] ? 0 : 2) : (next[1] < next[2] ? 1 : 2);
+      const double end = std::min(next[axis], b);
+      const std::size_t index = fine.index(bounded(0), bounded(1), bounded(2));
+      if (end > t && matters(fine.greatest[index], fine.least[index])) take(t, end);
+      t = std::max(t, end);
+      if (end >= b) break;
+      brick[axis] += direction[axis] > 0 ? 1 : -1;
+      next[axis] = faceAhead(axis);
     }
   }
 

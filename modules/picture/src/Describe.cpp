@@ -238,6 +238,68 @@ Annotations describeSurfaces(const CameraPicture& camera, std::span<const Surfac
   return out;
 }
 
+namespace {
+
+// What all looks through a volume say.
+Annotations lookThrough(const CameraPicture& camera, const VolumeInfo& info, bool cut) {
+  Annotations out;
+  if (!whyNoLetters(info.findings)) out.letters = edgeLetters(camera);
+  const bool perspective = camera.projection == Projection::Perspective;
+  out.mmPerPixel = camera.mmPerPixel();
+  out.scaleBar = !perspective;
+  if (perspective) out.what.push_back(plain("perspective"));
+  if (cut) out.what.push_back(plain("cut open", "cut"));
+  describeVolume(info, Interpolation::Linear, true, out);
+  return out;
+}
+
+const char* nameOf(ProjectionMode mode) {
+  switch (mode) {
+    case ProjectionMode::Max:
+      return "MIP";
+    case ProjectionMode::Min:
+      return "MinIP";
+    case ProjectionMode::Sum:
+      return "sum along rays";
+    case ProjectionMode::Mean:
+      return "mean along rays";
+    case ProjectionMode::Attenuation:
+      break;
+  }
+  return "attenuation";
+}
+
+}  // namespace
+
+Annotations describeProjection(const ProjectionLayer& layer, const CameraPicture& camera,
+                               const VolumeInfo& info, const VoiWindow& window, bool cut) {
+  Annotations out = lookThrough(camera, info, cut);
+  std::string name = nameOf(layer.mode);
+  if (layer.cue > 0) name += ", depth cue " + plainNumber(layer.cue, 2);
+  if (layer.interpolation == Interpolation::Nearest) name += ", nearest";
+  out.what.insert(out.what.begin(), plain(name, nameOf(layer.mode)));
+  out.status.push_back(windowLine(window, info.unit, layer.invert != info.inverted));
+  return out;
+}
+
+Annotations describeShells(const ShellsLayer& layer, const CameraPicture& camera, const VolumeInfo& info,
+                           const VoiWindow& window, bool cut) {
+  Annotations out = lookThrough(camera, info, cut);
+  const std::size_t levels =
+      layer.levels.empty() ? static_cast<std::size_t>(layer.count) : layer.levels.size();
+  const char* const mode = layer.mode == ShellsMode::Max   ? "max"
+                           : layer.mode == ShellsMode::Sum ? "sum"
+                                                           : "lit";
+  std::string name = std::to_string(levels) + " emission shell" + (levels == 1 ? "" : "s") + ", " + mode;
+  if (!layer.disabled.empty()) name += ", " + std::to_string(layer.disabled.size()) + " off";
+  if (layer.a > 0 && layer.mode != ShellsMode::Lit) name += ", depth cue " + plainNumber(layer.a, 2);
+  if (layer.mode == ShellsMode::Max)
+    out.what.insert(out.what.begin(), plain("no bound of the maximum", "no bound"));
+  out.what.insert(out.what.begin(), plain(name, std::to_string(levels) + " shells"));
+  out.status.push_back(windowLine(window, info.unit, false));
+  return out;
+}
+
 TextLine errorLine(double bound, int confidence_percent, std::optional<double> limit) {
   // Below a hundredth of a level the exact figure (it is in the report) says nothing more to a reader.
   const std::string number = bound > 0 && bound < 0.01 ? "< 0.01" : "<= " + plainNumber(roundedUp(bound), 2);

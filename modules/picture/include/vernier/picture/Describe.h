@@ -31,6 +31,13 @@ VERNIER_API Annotations describeImage(const ImageLayer&, const ImagePicture&, co
 VERNIER_API Annotations describeSurfaces(const CameraPicture&, std::span<const SurfaceFile* const>,
                                          bool withPatient);
 
+// Looks through a volume; `window` is the one in use. "MIP, depth cue 0.5"; "12 emission shells, max", and
+// that such a picture is no bound of the maximum. Cut by crop box or clip planes: said.
+VERNIER_API Annotations describeProjection(const ProjectionLayer&, const CameraPicture&, const VolumeInfo&,
+                                           const VoiWindow& window, bool cut);
+VERNIER_API Annotations describeShells(const ShellsLayer&, const CameraPicture&, const VolumeInfo&,
+                                       const VoiWindow& window, bool cut);
+
 // "error <= 0.31 of 255 (99 %)", rounded up to two digits; amber when the bound is above the limit.
 VERNIER_API TextLine errorLine(double bound, int confidence_percent, std::optional<double> limit = {});
 
