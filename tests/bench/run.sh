@@ -17,3 +17,12 @@ for engine in native gl; do
     "$vernier" bench "$work/ct-head" --view "$view" --engine "$engine" --window 500,1400
   done
 done
+# The window, on a virtual display: with a picture of 512x512, and in its usual size.
+command -v xvfb-run >/dev/null || exit 0
+cmake --build "$build" --target vernier_bench_window >/dev/null
+[ -d "$work/two/vessels" ] || "$vernier" phantom vessels --out "$work/two"
+[ -d "$work/two/ct-head" ] || "$vernier" phantom ct-head --out "$work/two"
+rm -f "$work"/two/*.json
+for size in 808x636 1280x800; do
+  xvfb-run -a -s "-screen 0 1920x1200x24" "$build/bin/vernier_bench_window" "$work/two" "$size"
+done

@@ -45,25 +45,26 @@ inline void expectNotTrivial(const Picture& p) {
   EXPECT_GE(bright, pixels / 20) << "pixels that are not background";
 }
 
-inline std::string goldenPath(const std::string& name) {
-  return std::string(VERNIER_SOURCE_DIR) + "/tests/golden/window/" + name + ".png";
+inline std::string goldenPath(const std::string& name, const std::string& folder = "tests/golden/window") {
+  return std::string(VERNIER_SOURCE_DIR) + "/" + folder + "/" + name + ".png";
 }
 
-inline void expectGolden(const std::string& name, const Picture& seen) {
+inline void expectGolden(const std::string& name, const Picture& seen,
+                         const std::string& folder = "tests/golden/window") {
   expectNotTrivial(seen);
   const char* renewed = std::getenv("VERNIER_RENEW_GOLDEN");
   if (renewed && name == renewed) {
-    const Result<void> written = writePng(goldenPath(name), seen);
+    const Result<void> written = writePng(goldenPath(name, folder), seen);
     EXPECT_TRUE(written.ok());
-    std::cout << "[  NOTE    ] tests/golden/window/" << name << ".png is renewed: look at it\n";
+    std::cout << "[  NOTE    ] " << folder << "/" << name << ".png is renewed: look at it\n";
     return;
   }
-  const Result<Picture> golden = readPng(goldenPath(name));
+  const Result<Picture> golden = readPng(goldenPath(name, folder));
   const std::string why = golden ? differs(*golden, seen) : "there is no such golden";
   if (why.empty()) return;
   const std::string left = std::string(VERNIER_BUILD_DIR) + "/window-" + name + ".png";
   EXPECT_TRUE(writePng(left, seen).ok());
-  ADD_FAILURE() << "tests/golden/window/" << name << ".png: " << why << "; this run's is window-" << name
+  ADD_FAILURE() << folder << "/" << name << ".png: " << why << "; this run's is window-" << name
                 << ".png in the build folder";
 }
 

@@ -2,6 +2,7 @@
 // The window as a person uses it: opened on a study, scrolled, windowed, undone.
 #include <gtest/gtest.h>
 
+#include "Golden.h"
 #include "WindowDriver.h"
 #include "WindowStudies.h"
 
@@ -84,6 +85,35 @@ TEST(Window, MprCrosshairAndMaximise) {
   EXPECT_NEAR(length(*w.workspace().crosshair(0) - after), 0, 1e-9);  // a double click moves nothing
   w.click(560, 300);
   EXPECT_GT(length(*w.workspace().crosshair(0) - after), 0.1);
+}
+
+// The same hands on a real head: no golden, since real pictures stay out of the repository.
+TEST(Window, ARealStudy) {
+  VERNIER_NEEDS_DATA("ct_phantom_head_series");
+  WindowDriver w;
+  if (!w.here()) return;
+  w.open((vernier::test::dataDir() / "ct_phantom_head_series").string());
+  EXPECT_TRUE(w.desk().messages().empty());
+  const Arrangement opened = w.workspace().now();
+  w.move(kX, kY);
+  w.wheel(-3);
+  ASSERT_TRUE(w.settle());
+  w.dragBy(kX, kY, 80, 40);
+  w.key(GLFW_KEY_F4);
+  w.key(GLFW_KEY_C);
+  ASSERT_TRUE(w.settle());
+  w.dragBy(500, 250, 20, 10);
+  w.doubleClick(1030, 280);
+  EXPECT_EQ(w.workspace().shown(), std::vector<int>{1});
+  w.doubleClick(700, 300);
+  test::expectNotTrivial(w.screenshot());
+  for (int t = 0; t < 4; ++t) {
+    const auto& picture = w.desk().tileView(t).picture;
+    ASSERT_TRUE(picture && !picture->error && picture->measured) << t;
+  }
+  for (int k = 0; k < 10; ++k) w.key(GLFW_KEY_Z, true);
+  EXPECT_FALSE(w.workspace().canUndo());
+  EXPECT_EQ(w.workspace().now().tiles, opened.tiles);
 }
 
 TEST(Window, SeveralVolumeFilesAtOnce) {

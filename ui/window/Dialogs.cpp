@@ -39,6 +39,14 @@ void centred() {
   ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
 }
 
+// On a dialog's ground, which is of the colour of the other buttons.
+bool dialogButton(const char* label, float width) {
+  ImGui::PushStyleColor(ImGuiCol_Button, colour::kAccentDark);
+  const bool clicked = ImGui::Button(label, {width, 0});
+  ImGui::PopStyleColor();
+  return clicked;
+}
+
 }  // namespace
 
 void Gui::help() {
@@ -65,7 +73,7 @@ void Gui::help() {
     ImGui::EndTable();
   }
   ImGui::Dummy({0, theme_.px(6)});
-  if (ImGui::Button("Close", {theme_.px(96), 0})) help_ = false;
+  if (dialogButton("Close", theme_.px(96))) help_ = false;
   ImGui::End();
   ImGui::PopStyleVar(2);
   ImGui::PopStyleColor();
@@ -88,7 +96,7 @@ void Gui::notice() {
       "It is made for review, for planning and for checking images. It is not for primary diagnosis.");
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, theme_.px(8)});
-  if (ImGui::Button("Understood", {theme_.px(120), 0}) ||
+  if (dialogButton("Understood", theme_.px(120)) ||
       ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false)) {
     notice_ = false;
     if (noticeAccepted_) why_ = noticeAccepted_();
@@ -115,7 +123,7 @@ void Gui::messages(Rect r) {
   for (std::size_t k = first; k < all.size(); ++k) ImGui::TextUnformatted(all[k].c_str());
   ImGui::PopTextWrapPos();
   ImGui::SetCursorPos({width - theme_.px(78), theme_.px(7)});
-  if (ImGui::Button("Close", {theme_.px(68), 0})) {
+  if (dialogButton("Close", theme_.px(68))) {
     why_.clear();
     desk_.dismissMessages();
   }
