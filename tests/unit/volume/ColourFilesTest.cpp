@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ColourCases.h"
+#include "vernier/base/Random.h"
 #include "vernier/study/Files.h"
 
 namespace vernier {
@@ -304,6 +305,30 @@ TEST(ColourFiles, TheBudgetCountsEveryChannel) {
   const auto v = f.read("a.nii", o);
   ASSERT_TRUE(v.ok()) << v.error().text();
   EXPECT_EQ((*v)->bytes(), 240u);
+}
+
+// Cut anywhere: refused. Flipped anywhere: refused, or read as some volume; never a crash.
+TEST(ColourFiles, DamagedFilesEndWell) {
+  const std::string voxels = interleaved(4);
+  std::string text;
+  for (const char c : voxels) text += std::to_string(static_cast<unsigned char>(c)) + " ";
+  const std::pair<const char*, std::string> files[] = {{"a.nii", nifti(4, voxels)},
+                                                       {"a.nrrd", nrrd("RGBA-color", 4) + voxels},
+                                                       {"a.mha", meta(4) + voxels},
+                                                       {"a.vti", vti(4, "format=\"ascii\">" + text)}};
+  for (const auto& [name, whole] : files) {
+    SCOPED_TRACE(name);
+    Folder f;
+    const std::size_t end = whole.find("</DataArray>");  // what follows the voxels is not needed
+    for (std::size_t n = 1; n + 3 < std::min(end, whole.size()); n += 7)
+      EXPECT_FALSE(f.read(name, whole.substr(0, n)).ok()) << n;
+    for (std::uint64_t k = 0; k < 400; ++k) {
+      std::string bytes = whole;
+      bytes[static_cast<std::size_t>(randomUnit(7, k) * static_cast<double>(whole.size()))] =
+          static_cast<char>(256 * randomUnit(8, k));
+      (void)f.read(name, bytes);
+    }
+  }
 }
 
 }  // namespace
