@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -8,33 +7,12 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
-#include <filesystem>
 
+#include "../VtkSymbol.h"
 #include "VtkPolyData.h"
 
 namespace vernier::surface {
 namespace {
-
-// Beside what this code was linked into, as installed; below it, or beside it, as built.
-std::vector<std::filesystem::path> places() {
-  static const char here = 0;
-  Dl_info info{};
-  if (::dladdr(&here, &info) == 0 || !info.dli_fname) return {};
-  const std::filesystem::path folder = std::filesystem::absolute(info.dli_fname).parent_path();
-  return {folder / kVtkLibrary, folder / "vernier" / kVtkLibrary,
-          folder.parent_path() / "lib" / "vernier" / kVtkLibrary};
-}
-
-// Loaded once, never closed: VTK keeps objects of its own until the program ends.
-VtkReadFn* reader() {
-  static VtkReadFn* const found = []() -> VtkReadFn* {
-    for (const std::filesystem::path& path : places())
-      if (void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL))
-        return reinterpret_cast<VtkReadFn*>(::dlsym(library, kVtkReadName));
-    return nullptr;
-  }();
-  return found;
-}
 
 constexpr rlim_t kCpuLimit_s = 60;
 
@@ -90,7 +68,7 @@ bool exchange(Move&& move, Data& d) {
 // VTK 9.1's reader runs past its arrays on files that are damaged in the right places, so it works in a child
 // process: whatever happens there is a sentence here.
 Result<VtkPolyData> readVtpBytes(std::string_view bytes) {
-  VtkReadFn* const read = reader();
+  auto* const read = reinterpret_cast<VtkReadFn*>(vtkSymbol(kVtkReadName));
   if (!read)
     return makeError(
         ErrorCode::FormatUnknown,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The border to VTK, which lies in a library of its own (vernier_vtk.so) that is loaded when the first VTP
-// file is read: Debian's VTK brings OpenGL and X11 along, and most pictures need neither. Plain numbers
-// cross, so that no VTK header is seen outside of that library.
+// The border to VTK's reader, which lies in a library of its own (VtkSymbol.h). Plain numbers cross, so that
+// no VTK header is seen outside of that library.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -24,7 +23,6 @@ struct VtkPolyData {
 Result<VtkPolyData> readVtpBytes(std::string_view bytes);
 
 extern "C" using VtkReadFn = void(const char* bytes, std::size_t count, VtkPolyData* out);
-inline constexpr const char* kVtkLibrary = "vernier_vtk.so";
 inline constexpr const char* kVtkReadName = "vernier_vtk_read_vtp";
 
 }  // namespace vernier::surface
