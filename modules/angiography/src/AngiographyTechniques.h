@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <memory>
+
 #include "vernier/plan/Technique.h"
 
 namespace vernier::angiography {
 Technique sampledProjectionTechnique(Host&);
 Technique exactProjectionTechnique(Host&);
+
+struct ShellStore;
+Technique nativeShellsTechnique(std::shared_ptr<ShellStore>);
 }  // namespace vernier::angiography

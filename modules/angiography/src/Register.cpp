@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "AngiographyTechniques.h"
+#include "ShellParams.h"
 #include "vernier/angiography/Angiography.h"
+#include "vernier/base/Budget.h"
 
 namespace vernier::angiography {
 
 Result<void> registerAngiography(Host& host) {
-  for (Technique t : {sampledProjectionTechnique(host), exactProjectionTechnique(host)})
+  const auto store = std::make_shared<ShellStore>(MemoryBudget::halfOfFreeBytes());
+  for (Technique t :
+       {sampledProjectionTechnique(host), exactProjectionTechnique(host), nativeShellsTechnique(store)})
     if (Result<void> r = host.addTechnique(std::move(t)); !r) return r;
   return {};
 }

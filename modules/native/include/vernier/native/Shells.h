@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Emission shells on the CPU (W. Heidrich, Hardware Accelerated Rendering of Emissive Volumes, 1996): where
+// the rays of a picture meet closed iso-surfaces of a volume, and what the crossings amount to.
+//
+//   Max: the brightest crossing, at least beta0 phi0. Sum: all crossings added, front and back. Lit: the
+//   nearest one, by a headlight (Surfaces.h). ShellsLayer says what brightness is; z' is taken at the
+//   crossing, its depth held within the ramp.
+//
+// What crop box, clip planes and near distance cut open is closed by caps: where a ray gets in or out by a
+// cut, the field (volume/Sampling.h) is read, and the shells whose levels it has reached are met there. Tools
+// stand among the shells: an opaque one ends the ray, and with Max whatever lies before it replaces it; a
+// translucent one multiplies what is behind it by 1 - alpha and adds its own colour.
+//
+// Pixels are sampled at their centres in double (Surfaces.h), spread over tiles with parallelFor: the same
+// bits for any number of threads. Checks the stop token per tile (Cancelled). OutOfMemory by guarded()
+// callers.
+#pragma once
+#include <array>
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "vernier/base/HalfSpace.h"
+#include "vernier/native/Surfaces.h"
+#include "vernier/plan/Volumetric.h"
+
+namespace vernier::native {
+
+struct Shell {
+  double level = 0;                  // modality value
+  double phi = 0;                    // its emission
+  std::shared_ptr<const Mesh> mesh;  // closed, in patient mm, turned outwards; nullptr: empty
+};
+
+struct ShellsJob {
+  std::shared_ptr<const Volume> volume;
+  std::vector<Shell> shells;  // levels and phi ascend
+  ShellsMode mode = ShellsMode::Max;
+  CameraPicture camera;
+  DepthRamp ramp;
+  double beta0 = 0, betaM = 1, a = 0, b = 1, phi0 = 0;
+  glm::dvec3 colour{1}, background{0};
+  std::vector<HalfSpace> kept;  // keptRegion: the volume's box, then what cuts
+  std::vector<PlacedSurface> tools;
+
+  double brightness(double phi, double depth_mm) const {
+    const double z = ramp.at(std::clamp(depth_mm, ramp.near_mm, ramp.far_mm));
+    return phi * (beta0 + betaM * (a * z + b));
+  }
+};
+inline constexpr std::size_t kBoxPlanes = 6;  // of ShellsJob::kept
+
+// Depth: of the crossing that is shown; with Sum of the nearest; where none is, of an opaque tool.
+VERNIER_API Result<void> drawShells(const ShellsJob&, Images&, std::stop_token);
+
+// Whether anything of the volume's box is cut away: by a plane, by the near distance, or since it lies behind
+// the eye.
+VERNIER_API bool isCut(const ShellsJob&);
+
+// What a pixel's ray has of the shells.
+struct ShellRay {
+  struct Cap {
+    int shell = -1;     // the highest whose level the field has reached; -1: no cap
+    double t_mm = 0;    // along the ray
+    double cosine = 1;  // between the ray and the cut's normal
+  };
+  double from_mm = 0, to_mm = 0;  // crossings between these count; empty: from_mm > to_mm
+  std::array<Cap, 2> caps;        // at the beginning and at the end
+};
+VERNIER_API ShellRay shellRay(const ShellsJob&, double x, double y);
+
+}  // namespace vernier::native

@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "vernier/native/Shells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "ShellTiles.h"
+#include "vernier/base/Threads.h"
+#include "vernier/base/Trace.h"
+
+namespace vernier::native {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr std::size_t kTilePixels = kShellTile * kShellTile;
+constexpr std::uint32_t kNoShell = 0xFFFFFFFF, kCapShell = 0xFFFFFFFE;
+
+Error cancelled() { return makeError(ErrorCode::Cancelled, "Drawing the shells was cancelled."); }
+
+// The tools of one pixel.
+struct ToolsOnRay {
+  std::span<const SurfaceHits::Layer> layers;
+  double end_mm = kInfinity;
+  glm::dvec3 endColour{0};
+
+  // What is left of light from behind t.
+  double through(double t_mm) const {
+    double left = 1;
+    for (const SurfaceHits::Layer& l : layers) {
+      if (!(l.t_mm < t_mm)) break;
+      left *= 1 - static_cast<double>(l.alpha);
+    }
+    return left;
+  }
+  // What the translucent ones before t add themselves.
+  glm::dvec3 own(double t_mm) const {
+    glm::dvec3 sum(0);
+    double left = 1;
+    for (const SurfaceHits::Layer& l : layers) {
+      if (!(l.t_mm < t_mm)) break;
+      sum += left * glm::dvec3(l.r, l.g, l.b);
+      left *= 1 - static_cast<double>(l.alpha);
+    }
+    return sum;
+  }
+};
+
+ToolsOnRay toolsAt(const SurfaceHits* hits, std::size_t pixel) {
+  ToolsOnRay out;
+  if (!hits) return out;
+  out.layers =
+      std::span(hits->layers).subspan(hits->first[pixel], hits->first[pixel + 1] - hits->first[pixel]);
+  if (hits->end_mm[pixel] == kNothing_mm) return out;
+  out.end_mm = static_cast<double>(hits->end_mm[pixel]);
+  for (std::size_t c = 0; c < 3; ++c)
+    out.endColour[static_cast<int>(c)] = static_cast<double>(hits->endColour[3 * pixel + c]);
+  return out;
+}
+
+// What one tile gathers. Reused from tile to tile by one thread.
+struct Gathered {
+  // Of the pixel's ray: crossings count between these depths.
+  std::vector<double> from = std::vector<double>(kTilePixels), to = std::vector<double>(kTilePixels);
+  std::vector<double> value = std::vector<double>(kTilePixels);  // Max: the brightest; Sum: the sum
+  std::vector<double> depth = std::vector<double>(kTilePixels);  // of what is shown; +inf: nothing yet
+  std::vector<double> nearest = std::vector<double>(kTilePixels, kInfinity);  // Max: of the shell under work
+  std::vector<std::uint32_t> shell = std::vector<std::uint32_t>(kTilePixels),
+                             triangle = std::vector<std::uint32_t>(kTilePixels);
+  std::vector<std::uint16_t> touched;
+  std::vector<std::array<ShellRay::Cap, 2>> caps;  // only where something is cut
+};
+
+class Drawing {
+ public:
+  Drawing(const ShellsJob& job, const PreparedShells& shells, const SurfaceHits* tools, Images& images)
+      : job_(job),
+        shells_(shells),
+        tools_(tools && (tools->counters.triangles > 0) ? tools : nullptr),
+        images_(images),
+        cut_(isCut(job)),
+        translucent_(tools_ && !tools_->layers.empty()),
+        bounded_(cut_ || tools_ != nullptr),
+        base_(job.beta0 + job.betaM * job.b),
+        slope_(job.betaM * job.a) {}
+
+  void tile(int number, Gathered& g) const {
+    begin(number, g);
+    switch (job_.mode) {
+      case ShellsMode::Max:
+        gatherMax(number, g);
+        break;
+      case ShellsMode::Sum:
+        gatherSum(number, g);
+        break;
+      case ShellsMode::Lit:
+        gatherLit(number, g);
+        break;
+    }
+    compose(number, g);
+  }
+
+ private:
+  static std::size_t at(const TileRect& r, int x, int y) {
+    return static_cast<std::size_t>(x - r.x0 + kShellTile * (y - r.y0));
+  }
+  std::size_t pixel(int x, int y) const {
+    return static_cast<std::size_t>(x) +
+           static_cast<std::size_t>(job_.camera.width_px) * static_cast<std::size_t>(y);
+  }
+  double perDepth(int x, int y) const { return job_.camera.rayPerDepth(x + 0.5, y + 0.5); }
+
+  void begin(int number, Gathered& g) const {
+    std::fill(g.value.begin(), g.value.end(), job_.mode == ShellsMode::Max ? -1.0 : 0.0);
+    std::fill(g.depth.begin(), g.depth.end(), kInfinity);
+    std::fill(g.shell.begin(), g.shell.end(), kNoShell);
+    if (!bounded_) return;
+    const TileRect r = shells_.rect(number);
+    if (cut_) g.caps.assign(kTilePixels, {});
+    for (int y = r.y0; y <= r.y1; ++y)
+      for (int x = r.x0; x <= r.x1; ++x) {
+        const std::size_t i = at(r, x, y);
+        g.from[i] = -kInfinity, g.to[i] = kInfinity;
+        const double scale = 1 / perDepth(x, y);
+        if (cut_) {
+          const ShellRay ray = shellRay(job_, x + 0.5, y + 0.5);
+          g.from[i] = ray.from_mm * scale, g.to[i] = ray.to_mm * scale;
+          g.caps[i] = ray.caps;
+        }
+        // The tool in front of a shell at the same place.
+        if (tools_)
+          g.to[i] = std::min(g.to[i], std::nextafter(toolsAt(tools_, pixel(x, y)).end_mm * scale, 0.0));
+      }
+  }
+  bool counts(const Gathered& g, std::size_t i, double depth) const {
+    return !bounded_ || (depth >= g.from[i] && depth <= g.to[i]);
+  }
+  bool capCounts(const Gathered& g, std::size_t i, const ShellRay::Cap& cap, double scale) const {
+    return cap.shell >= 0 && cap.t_mm * scale <= g.to[i];
+  }
+  double z(double depth) const {
+    return job_.ramp.at(std::clamp(depth, job_.ramp.near_mm, job_.ramp.far_mm));
+  }
+  double bright(double phi, double depth) const {
+    return slope_ == 0 ? phi * base_ : phi * (base_ + slope_ * z(depth));
+  }
+
+  void gatherMax(int number, Gathered& g) const;
+  void endShell(const TileRect&, double phi, Gathered&) const;
+  void offer(Gathered& g, std::size_t i, double value, double depth) const {
+    if (!(value > g.value[i])) return;
+    g.value[i] = value, g.depth[i] = depth;
+  }
+  double throughAt(int x, int y, double depth) const {
+    return translucent_ ? toolsAt(tools_, pixel(x, y)).through(depth * perDepth(x, y)) : 1.0;
+  }
+  void gatherSum(int number, Gathered& g) const;
+  void gatherLit(int number, Gathered& g) const;
+  void compose(int number, const Gathered& g) const;
+  glm::dvec3 colourOf(const Gathered& g, std::size_t i, const ToolsOnRay& tools, int x, int y) const;
+
+  const ShellsJob& job_;
+  const PreparedShells& shells_;
+  const SurfaceHits* const tools_;
+  Images& images_;
+  const bool cut_, translucent_, bounded_;
+  const double base_, slope_;
+};
+
+// A shell is done when the next one begins: its nearest crossing is its brightest point on the ray.
+void Drawing::endShell(const TileRect& r, double phi, Gathered& g) const {
+  for (const std::uint16_t i : g.touched) {
+    const double depth = std::exchange(g.nearest[i], kInfinity);
+    const int x = r.x0 + i % kShellTile, y = r.y0 + i / kShellTile;
+    offer(g, i, bright(phi, depth) * throughAt(x, y, depth), depth);
+  }
+  g.touched.clear();
+}
+
+// Brighter shells come first: where a shell at its brightest cannot win any more, it is not looked at.
+void Drawing::gatherMax(int number, Gathered& g) const {
+  const TileRect r = shells_.rect(number);
+  std::uint32_t under = kNoShell;
+  double most = 0;
+  for (const std::uint32_t n : shells_.runsOf(number)) {
+    const PreparedShells::Run& run = shells_.run(n);
+    if (run.shell != under) {
+      if (under != kNoShell) endShell(r, job_.shells[under].phi, g);
+      under = run.shell;
+      most = job_.shells[under].phi * (base_ + slope_);
+    }
+    shells_.rasterise(run, r, [&](int x, int y, double depth, std::uint32_t) {
+      const std::size_t i = at(r, x, y);
+      if (most <= g.value[i] || !(depth < g.nearest[i]) || !counts(g, i, depth)) return;
+      if (g.nearest[i] == kInfinity) g.touched.push_back(static_cast<std::uint16_t>(i));
+      g.nearest[i] = depth;
+    });
+  }
+  if (under != kNoShell) endShell(r, job_.shells[under].phi, g);
+  if (!cut_) return;
+  for (int y = r.y0; y <= r.y1; ++y)
+    for (int x = r.x0; x <= r.x1; ++x) {
+      const std::size_t i = at(r, x, y);
+      const double scale = 1 / perDepth(x, y);
+      for (const ShellRay::Cap& cap : g.caps[i]) {
+        if (!capCounts(g, i, cap, scale)) continue;
+        const double depth = cap.t_mm * scale;
+        offer(g, i,
+              bright(job_.shells[static_cast<std::size_t>(cap.shell)].phi, depth) * throughAt(x, y, depth),
+              depth);
+      }
+    }
+}
+
+void Drawing::gatherSum(int number, Gathered& g) const {
+  const TileRect r = shells_.rect(number);
+  for (const std::uint32_t n : shells_.runsOf(number)) {
+    const PreparedShells::Run& run = shells_.run(n);
+    const double phi = job_.shells[run.shell].phi;
+    shells_.rasterise(run, r, [&](int x, int y, double depth, std::uint32_t) {
+      const std::size_t i = at(r, x, y);
+      if (!counts(g, i, depth)) return;
+      g.value[i] += bright(phi, depth) * throughAt(x, y, depth);
+      g.shell[i] = run.shell;
+      g.depth[i] = std::min(g.depth[i], depth);
+    });
+  }
+  if (!cut_) return;
+  for (int y = r.y0; y <= r.y1; ++y)
+    for (int x = r.x0; x <= r.x1; ++x) {
+      const std::size_t i = at(r, x, y);
+      const double scale = 1 / perDepth(x, y);
+      for (const ShellRay::Cap& cap : g.caps[i]) {
+        if (!capCounts(g, i, cap, scale)) continue;
+        const double depth = cap.t_mm * scale;
+        double phi = 0;
+        for (int s = 0; s <= cap.shell; ++s) phi += job_.shells[static_cast<std::size_t>(s)].phi;
+        g.value[i] += bright(phi, depth) * throughAt(x, y, depth);
+        g.shell[i] = static_cast<std::uint32_t>(cap.shell);
+        g.depth[i] = std::min(g.depth[i], depth);
+      }
+    }
+}
+
+void Drawing::gatherLit(int number, Gathered& g) const {
+  const TileRect r = shells_.rect(number);
+  for (const std::uint32_t n : shells_.runsOf(number)) {
+    const PreparedShells::Run& run = shells_.run(n);
+    shells_.rasterise(run, r, [&](int x, int y, double depth, std::uint32_t triangle) {
+      const std::size_t i = at(r, x, y);
+      if (!(depth < g.depth[i]) || !counts(g, i, depth)) return;
+      g.depth[i] = depth, g.shell[i] = run.shell, g.triangle[i] = triangle;
+    });
+  }
+  if (!cut_) return;
+  for (int y = r.y0; y <= r.y1; ++y)
+    for (int x = r.x0; x <= r.x1; ++x) {
+      const std::size_t i = at(r, x, y);
+      const double scale = 1 / perDepth(x, y);
+      for (std::uint32_t c = 0; c < 2; ++c)
+        if (const ShellRay::Cap& cap = g.caps[i][c];
+            capCounts(g, i, cap, scale) && cap.t_mm * scale < g.depth[i])
+          g.depth[i] = cap.t_mm * scale, g.shell[i] = kCapShell, g.triangle[i] = c;
+    }
+}
+
+glm::dvec3 Drawing::colourOf(const Gathered& g, std::size_t i, const ToolsOnRay& tools, int x, int y) const {
+  const bool ends = tools.end_mm < kInfinity, lit = job_.mode == ShellsMode::Lit;
+  const bool hit = job_.mode == ShellsMode::Max ? g.depth[i] < kInfinity : g.shell[i] != kNoShell;
+  if (lit && hit) {
+    const double cosine = g.shell[i] == kCapShell
+                              ? g.caps[i][g.triangle[i]].cosine
+                              : shells_.cosine(g.shell[i], g.triangle[i], x + 0.5, y + 0.5);
+    const double t = g.depth[i] * perDepth(x, y);
+    return tools.own(t) + tools.through(t) * std::min(1.0, kAmbient + kDiffuse * cosine) * job_.colour;
+  }
+  const glm::dvec3 own = tools.own(kInfinity);
+  const double through = tools.through(kInfinity);
+  const glm::dvec3 shells = job_.colour * g.value[i], least = job_.colour * (job_.beta0 * job_.phi0);
+  if (job_.mode == ShellsMode::Sum && hit)
+    return own + shells + (ends ? through * tools.endColour : glm::dvec3(0));
+  if (ends) return own + (hit ? shells : through * tools.endColour);
+  if (job_.mode != ShellsMode::Max) return own + through * job_.background;
+  return own + (hit ? glm::max(shells, through * least) : through * glm::max(least, job_.background));
+}
+
+void Drawing::compose(int number, const Gathered& g) const {
+  const TileRect r = shells_.rect(number);
+  for (int y = r.y0; y <= r.y1; ++y)
+    for (int x = r.x0; x <= r.x1; ++x) {
+      const std::size_t i = at(r, x, y), p = pixel(x, y);
+      const ToolsOnRay tools = toolsAt(tools_, p);
+      const glm::dvec3 colour = colourOf(g, i, tools, x, y);
+      for (int c = 0; c < 3; ++c)
+        images_.colour[4 * p + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
+      images_.colour[4 * p + 3] = 1;
+      const double shown = g.depth[i] < kInfinity ? g.depth[i] * perDepth(x, y) : tools.end_mm;
+      images_.depth[p] = shown < kInfinity ? static_cast<float>(shown) : kNothing_mm;
+    }
+}
+
+}  // namespace
+
+Result<void> drawShells(const ShellsJob& job, Images& images, std::stop_token stop) {
+  const TraceSpan span("shells");
+  images.width = job.camera.width_px, images.height = job.camera.height_px;
+  const std::size_t n = static_cast<std::size_t>(images.width) * static_cast<std::size_t>(images.height);
+  images.colour.resize(4 * n);
+  images.depth.resize(n);
+  images.values.clear();
+  std::optional<SurfaceHits> tools;
+  if (!job.tools.empty()) {
+    Result<SurfaceHits> found = findSurfaces({job.tools, job.camera, glm::dvec3(0)}, stop);
+    if (!found) return found.error();
+    tools = std::move(*found);
+    images.counters.triangles += tools->counters.triangles;
+  }
+  // The nearest crossing of a closed surface from outside is a front face.
+  const PreparedShells shells(job, job.mode != ShellsMode::Sum && !isCut(job), stop);
+  if (stop.stop_requested()) return cancelled();
+  images.counters.triangles += shells.triangles();
+  const Drawing drawing(job, shells, tools ? &*tools : nullptr, images);
+  parallelFor(static_cast<std::size_t>(shells.tiles()), 1, [&](std::size_t begin, std::size_t end) {
+    Gathered gathered;
+    for (std::size_t tile = begin; tile < end && !stop.stop_requested(); ++tile)
+      drawing.tile(static_cast<int>(tile), gathered);
+  });
+  if (stop.stop_requested()) return cancelled();
+  return {};
+}
+
+}  // namespace vernier::native
