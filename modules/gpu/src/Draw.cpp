@@ -102,13 +102,19 @@ Result<void> Device::one(const Target& target, const Draw& d) {
                      *d.program);
   if (d.state.depth != DepthTest::Off && !target.hasDepth_)
     return drawError("A depth test was asked for, but the target has no depth.", *d.program);
+  if (d.state.clipDistances < 0 || d.state.clipDistances > kMostClipDistances)
+    return drawError("A draw cuts with 0 to 8 clip distances.", *d.program);
   const GladGLContext& gl = impl_->core->gl;
   gl.UseProgram(d.program->object_.id());
   gl.BindVertexArray(d.vertices->array_.id());
   if (Result<void> r = bindInputs(target, d); !r) return r;
   if (Result<void> r = applyUniforms(d); !r) return r;
   applyState(gl, d.state, target.object_.id(), target.width_, target.height_);
-  gl.DrawArrays(modeOf(d.primitive), d.first, d.count);
+  if (d.vertices->indexed_)
+    gl.DrawElements(modeOf(d.primitive), d.count, GL_UNSIGNED_INT,
+                    reinterpret_cast<const void*>(static_cast<std::size_t>(d.first) * sizeof(std::uint32_t)));
+  else
+    gl.DrawArrays(modeOf(d.primitive), d.first, d.count);
   impl_->counters.triangles += trianglesOf(d);
   return {};
 }

@@ -43,6 +43,9 @@ void stateBlend(const GladGLContext& gl, const DrawState& s) {
 }
 
 void stateRaster(const GladGLContext& gl, const DrawState& s, int width, int height) {
+  set(gl, GL_DEPTH_CLAMP, s.depthClamp);
+  for (int n = 0; n < kMostClipDistances; ++n)
+    set(gl, GL_CLIP_DISTANCE0 + static_cast<GLenum>(n), n < s.clipDistances);
   set(gl, GL_CULL_FACE, s.cull != Cull::Off);
   gl.CullFace(s.cull == Cull::Front ? GL_FRONT : GL_BACK);
   // Our row 0 is the top: what one sees as counter-clockwise is clockwise in GL's window coordinates.
@@ -71,30 +74,11 @@ void statePixelStore(const GladGLContext& gl) {
 
 void applyState(const GladGLContext& gl, const DrawState& s, unsigned framebuffer, int width, int height) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  for (GLenum off : {GL_DITHER,
-                     GL_FRAMEBUFFER_SRGB,
-                     GL_STENCIL_TEST,
-                     GL_COLOR_LOGIC_OP,
-                     GL_POLYGON_OFFSET_FILL,
-                     GL_POLYGON_OFFSET_LINE,
-                     GL_POLYGON_OFFSET_POINT,
-                     GL_POLYGON_SMOOTH,
-                     GL_LINE_SMOOTH,
-                     GL_SAMPLE_ALPHA_TO_COVERAGE,
-                     GL_SAMPLE_ALPHA_TO_ONE,
-                     GL_SAMPLE_COVERAGE,
-                     GL_SAMPLE_MASK,
-                     GL_MULTISAMPLE,
-                     GL_PRIMITIVE_RESTART,
-                     GL_RASTERIZER_DISCARD,
-                     GL_DEPTH_CLAMP,
-                     GL_PROGRAM_POINT_SIZE,
-                     GL_CLIP_DISTANCE0,
-                     GL_CLIP_DISTANCE1,
-                     GL_CLIP_DISTANCE2,
-                     GL_CLIP_DISTANCE3,
-                     GL_CLIP_DISTANCE4,
-                     GL_CLIP_DISTANCE5})
+  for (GLenum off :
+       {GL_DITHER, GL_FRAMEBUFFER_SRGB, GL_STENCIL_TEST, GL_COLOR_LOGIC_OP, GL_POLYGON_OFFSET_FILL,
+        GL_POLYGON_OFFSET_LINE, GL_POLYGON_OFFSET_POINT, GL_POLYGON_SMOOTH, GL_LINE_SMOOTH,
+        GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK,
+        GL_MULTISAMPLE, GL_PRIMITIVE_RESTART, GL_RASTERIZER_DISCARD, GL_PROGRAM_POINT_SIZE})
     gl.Disable(off);
   gl.ClampColor(GL_CLAMP_READ_COLOR, GL_FALSE);
   gl.ProvokingVertex(GL_LAST_VERTEX_CONVENTION);

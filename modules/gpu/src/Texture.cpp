@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Textures and vertex data.
+#include <algorithm>
+#include <limits>
+
 #include "DeviceImpl.h"
 #include "State.h"
 
@@ -120,12 +123,19 @@ Result<void> Device::readTexture(const Texture& t, std::span<std::byte> out) {
   return check("readTexture");
 }
 
-Result<VertexData> Device::vertices(std::span<const float> interleaved, std::span<const int> components) {
+Result<VertexData> Device::vertices(std::span<const float> interleaved, std::span<const int> components,
+                                    std::span<const std::uint32_t> indices) {
   if (Result<void> r = enter("vertices"); !r) return r.error();
   int stride = 0;
   for (int c : components) stride += c;
   if (stride < 1 || interleaved.empty() || interleaved.size() % static_cast<std::size_t>(stride) != 0)
     return makeError(ErrorCode::GlFailed, "The vertex data does not divide into whole vertices.", "vertices");
+  const std::size_t count = interleaved.size() / static_cast<std::size_t>(stride);
+  if (std::any_of(indices.begin(), indices.end(), [&](std::uint32_t i) { return i >= count; }))
+    return makeError(ErrorCode::GlFailed, "An index names a vertex that is not there.", "vertices");
+  if (std::max(count, indices.size()) > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    return makeError(ErrorCode::OutOfMemory, "The surface has too many triangles for one GL buffer.",
+                     "vertices");
   const GladGLContext& gl = impl_->core->gl;
   VertexData v;
   unsigned array = 0, buffer = 0;
@@ -147,8 +157,19 @@ Result<VertexData> Device::vertices(std::span<const float> interleaved, std::spa
                            reinterpret_cast<const void*>(offset));
     offset += static_cast<std::size_t>(components[n]) * sizeof(float);
   }
+  if (!indices.empty()) {
+    unsigned elements = 0;
+    gl.GenBuffers(1, &elements);
+    v.indices_ = Object(impl_->core, ObjectKind::Buffer, elements);
+    gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, elements);
+    gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(),
+                  GL_STATIC_DRAW);
+    v.count_ = static_cast<int>(indices.size());
+    v.indexed_ = true;
+  }
   gl.BindVertexArray(0);
-  impl_->counters.bytesUploaded += interleaved.size_bytes();
+  v.bytes_ = interleaved.size_bytes() + indices.size_bytes();
+  impl_->counters.bytesUploaded += v.bytes_;
   if (Result<void> r = check("vertices"); !r) return r.error();
   return v;
 }

@@ -57,7 +57,9 @@ class VERNIER_API Device {
   Result<Texture> texture3d(Format, int width, int height, int depth);
   Result<void> uploadSlices(const Texture& texture3d, int first, int count,
                             std::span<const std::byte> texels);
-  Result<VertexData> vertices(std::span<const float> interleaved, std::span<const int> components);
+  // With indices a draw takes the vertices that they name; each must name one that is there.
+  Result<VertexData> vertices(std::span<const float> interleaved, std::span<const int> components,
+                              std::span<const std::uint32_t> indices = {});
   // GLSL 3.30. `name` stands in error sentences. Compiled once per name: a second call gives the same
   // program.
   Result<std::shared_ptr<const Program>> program(const std::string& name, std::string_view vertexText,

@@ -29,6 +29,8 @@ struct Rect {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
+inline constexpr int kMostClipDistances = 8;  // what every GL 3.3 has
+
 struct DrawState {
   DepthTest depth = DepthTest::Off;
   bool depthWrite = false;  // only together with a depth test
@@ -37,6 +39,8 @@ struct DrawState {
   std::optional<Rect> scissor;
   std::optional<Rect> viewport;  // absent: the whole target
   std::array<bool, 4> colourMask{true, true, true, true};
+  int clipDistances = 0;    // gl_ClipDistance[0 .. n - 1] cut, at most kMostClipDistances
+  bool depthClamp = false;  // depth beyond 0..1 is held there instead of being cut off
 };
 
 struct TextureBinding {
@@ -58,7 +62,7 @@ struct Uniform {
 struct Draw {
   const Program* program = nullptr;
   const VertexData* vertices = nullptr;
-  int first = 0, count = 0;  // vertices
+  int first = 0, count = 0;  // vertices, or indices where the vertex data has them
   Primitive primitive = Primitive::Triangles;
   DrawState state;
   std::vector<TextureBinding> textures;

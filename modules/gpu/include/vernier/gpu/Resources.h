@@ -50,12 +50,15 @@ class VERNIER_API Texture {
 // Interleaved floats; attribute n has components[n] of them and is `layout(location = n)`.
 class VERNIER_API VertexData {
  public:
-  int count() const { return count_; }
+  int count() const { return count_; }  // of indices where there are some, else of vertices
+  std::uint64_t bytes() const { return bytes_; }
 
  private:
   friend class Device;
-  Object array_, buffer_;
+  Object array_, buffer_, indices_;
   int count_ = 0;
+  bool indexed_ = false;
+  std::uint64_t bytes_ = 0;
 };
 
 class VERNIER_API Program {
