@@ -10,4 +10,6 @@ Technique exactProjectionTechnique(Host&);
 
 struct ShellStore;
 Technique nativeShellsTechnique(std::shared_ptr<ShellStore>);
+Technique glShellsTechnique(Host&, std::shared_ptr<ShellStore>);
+Technique glMaxShellsTechnique(Host&, std::shared_ptr<ShellStore>);
 }  // namespace vernier::angiography

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "ShellTiles.h"
+#include "vernier/base/Log.h"
 #include "vernier/base/Threads.h"
 #include "vernier/base/Trace.h"
 
@@ -19,46 +20,6 @@ constexpr std::uint32_t kNoShell = 0xFFFFFFFF, kCapShell = 0xFFFFFFFE;
 
 Error cancelled() { return makeError(ErrorCode::Cancelled, "Drawing the shells was cancelled."); }
 
-// The tools of one pixel.
-struct ToolsOnRay {
-  std::span<const SurfaceHits::Layer> layers;
-  double end_mm = kInfinity;
-  glm::dvec3 endColour{0};
-
-  // What is left of light from behind t.
-  double through(double t_mm) const {
-    double left = 1;
-    for (const SurfaceHits::Layer& l : layers) {
-      if (!(l.t_mm < t_mm)) break;
-      left *= 1 - static_cast<double>(l.alpha);
-    }
-    return left;
-  }
-  // What the translucent ones before t add themselves.
-  glm::dvec3 own(double t_mm) const {
-    glm::dvec3 sum(0);
-    double left = 1;
-    for (const SurfaceHits::Layer& l : layers) {
-      if (!(l.t_mm < t_mm)) break;
-      sum += left * glm::dvec3(l.r, l.g, l.b);
-      left *= 1 - static_cast<double>(l.alpha);
-    }
-    return sum;
-  }
-};
-
-ToolsOnRay toolsAt(const SurfaceHits* hits, std::size_t pixel) {
-  ToolsOnRay out;
-  if (!hits) return out;
-  out.layers =
-      std::span(hits->layers).subspan(hits->first[pixel], hits->first[pixel + 1] - hits->first[pixel]);
-  if (hits->end_mm[pixel] == kNothing_mm) return out;
-  out.end_mm = static_cast<double>(hits->end_mm[pixel]);
-  for (std::size_t c = 0; c < 3; ++c)
-    out.endColour[static_cast<int>(c)] = static_cast<double>(hits->endColour[3 * pixel + c]);
-  return out;
-}
-
 // What one tile gathers. Reused from tile to tile by one thread.
 struct Gathered {
   // Of the pixel's ray: crossings count between these depths.
@@ -66,6 +27,7 @@ struct Gathered {
   std::vector<double> value = std::vector<double>(kTilePixels);  // Max: the brightest; Sum: the sum
   std::vector<double> depth = std::vector<double>(kTilePixels);  // of what is shown; +inf: nothing yet
   std::vector<double> nearest = std::vector<double>(kTilePixels, kInfinity);  // Max: of the shell under work
+  // Lit: what is shown. Sum: of the last crossing, and how many there are.
   std::vector<std::uint32_t> shell = std::vector<std::uint32_t>(kTilePixels),
                              triangle = std::vector<std::uint32_t>(kTilePixels);
   std::vector<std::uint16_t> touched;
@@ -109,12 +71,14 @@ class Drawing {
     return static_cast<std::size_t>(x) +
            static_cast<std::size_t>(job_.camera.width_px) * static_cast<std::size_t>(y);
   }
+  ToolsOnRay toolsOf(int x, int y) const { return tools_ ? toolsAt(*tools_, pixel(x, y)) : ToolsOnRay{}; }
   double perDepth(int x, int y) const { return job_.camera.rayPerDepth(x + 0.5, y + 0.5); }
 
   void begin(int number, Gathered& g) const {
     std::fill(g.value.begin(), g.value.end(), job_.mode == ShellsMode::Max ? -1.0 : 0.0);
     std::fill(g.depth.begin(), g.depth.end(), kInfinity);
     std::fill(g.shell.begin(), g.shell.end(), kNoShell);
+    std::fill(g.triangle.begin(), g.triangle.end(), 0u);
     if (!bounded_) return;
     const TileRect r = shells_.rect(number);
     if (cut_) g.caps.assign(kTilePixels, {});
@@ -129,8 +93,7 @@ class Drawing {
           g.caps[i] = ray.caps;
         }
         // The tool in front of a shell at the same place.
-        if (tools_)
-          g.to[i] = std::min(g.to[i], std::nextafter(toolsAt(tools_, pixel(x, y)).end_mm * scale, 0.0));
+        if (tools_) g.to[i] = std::min(g.to[i], std::nextafter(toolsOf(x, y).end_mm * scale, 0.0));
       }
   }
   bool counts(const Gathered& g, std::size_t i, double depth) const {
@@ -153,7 +116,7 @@ class Drawing {
     g.value[i] = value, g.depth[i] = depth;
   }
   double throughAt(int x, int y, double depth) const {
-    return translucent_ ? toolsAt(tools_, pixel(x, y)).through(depth * perDepth(x, y)) : 1.0;
+    return translucent_ ? toolsOf(x, y).through(depth * perDepth(x, y)) : 1.0;
   }
   void gatherSum(int number, Gathered& g) const;
   void gatherLit(int number, Gathered& g) const;
@@ -222,8 +185,8 @@ void Drawing::gatherSum(int number, Gathered& g) const {
       const std::size_t i = at(r, x, y);
       if (!counts(g, i, depth)) return;
       g.value[i] += bright(phi, depth) * throughAt(x, y, depth);
+      g.depth[i] = (g.shell[i] == kNoShell ? 0 : g.depth[i]) + depth, ++g.triangle[i];
       g.shell[i] = run.shell;
-      g.depth[i] = std::min(g.depth[i], depth);
     });
   }
   if (!cut_) return;
@@ -237,8 +200,10 @@ void Drawing::gatherSum(int number, Gathered& g) const {
         double phi = 0;
         for (int s = 0; s <= cap.shell; ++s) phi += job_.shells[static_cast<std::size_t>(s)].phi;
         g.value[i] += bright(phi, depth) * throughAt(x, y, depth);
-        g.shell[i] = static_cast<std::uint32_t>(cap.shell);
-        g.depth[i] = std::min(g.depth[i], depth);
+        const std::uint32_t crossings = static_cast<std::uint32_t>(cap.shell) + 1;
+        g.depth[i] = (g.shell[i] == kNoShell ? 0 : g.depth[i]) + crossings * depth;
+        g.triangle[i] += crossings;
+        g.shell[i] = kCapShell;
       }
     }
 }
@@ -266,23 +231,17 @@ void Drawing::gatherLit(int number, Gathered& g) const {
 }
 
 glm::dvec3 Drawing::colourOf(const Gathered& g, std::size_t i, const ToolsOnRay& tools, int x, int y) const {
-  const bool ends = tools.end_mm < kInfinity, lit = job_.mode == ShellsMode::Lit;
-  const bool hit = job_.mode == ShellsMode::Max ? g.depth[i] < kInfinity : g.shell[i] != kNoShell;
-  if (lit && hit) {
+  ShellPixel pixel;
+  pixel.hit = job_.mode == ShellsMode::Max ? g.depth[i] < kInfinity : g.shell[i] != kNoShell;
+  pixel.value = g.value[i];
+  if (job_.mode == ShellsMode::Lit && pixel.hit) {
     const double cosine = g.shell[i] == kCapShell
                               ? g.caps[i][g.triangle[i]].cosine
                               : shells_.cosine(g.shell[i], g.triangle[i], x + 0.5, y + 0.5);
-    const double t = g.depth[i] * perDepth(x, y);
-    return tools.own(t) + tools.through(t) * std::min(1.0, kAmbient + kDiffuse * cosine) * job_.colour;
+    pixel.value = std::min(1.0, kAmbient + kDiffuse * cosine);
+    pixel.t_mm = g.depth[i] * perDepth(x, y);
   }
-  const glm::dvec3 own = tools.own(kInfinity);
-  const double through = tools.through(kInfinity);
-  const glm::dvec3 shells = job_.colour * g.value[i], least = job_.colour * (job_.beta0 * job_.phi0);
-  if (job_.mode == ShellsMode::Sum && hit)
-    return own + shells + (ends ? through * tools.endColour : glm::dvec3(0));
-  if (ends) return own + (hit ? shells : through * tools.endColour);
-  if (job_.mode != ShellsMode::Max) return own + through * job_.background;
-  return own + (hit ? glm::max(shells, through * least) : through * glm::max(least, job_.background));
+  return shellColour(job_, pixel, tools);
 }
 
 void Drawing::compose(int number, const Gathered& g) const {
@@ -290,12 +249,13 @@ void Drawing::compose(int number, const Gathered& g) const {
   for (int y = r.y0; y <= r.y1; ++y)
     for (int x = r.x0; x <= r.x1; ++x) {
       const std::size_t i = at(r, x, y), p = pixel(x, y);
-      const ToolsOnRay tools = toolsAt(tools_, p);
+      const ToolsOnRay tools = toolsOf(x, y);
       const glm::dvec3 colour = colourOf(g, i, tools, x, y);
       for (int c = 0; c < 3; ++c)
         images_.colour[4 * p + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
       images_.colour[4 * p + 3] = 1;
-      const double shown = g.depth[i] < kInfinity ? g.depth[i] * perDepth(x, y) : tools.end_mm;
+      const double mean = job_.mode == ShellsMode::Sum ? 1.0 / std::max(1u, g.triangle[i]) : 1.0;
+      const double shown = g.depth[i] < kInfinity ? mean * g.depth[i] * perDepth(x, y) : tools.end_mm;
       images_.depth[p] = shown < kInfinity ? static_cast<float>(shown) : kNothing_mm;
     }
 }
@@ -314,6 +274,11 @@ Result<void> drawShells(const ShellsJob& job, Images& images, std::stop_token st
     Result<SurfaceHits> found = findSurfaces({job.tools, job.camera, glm::dvec3(0)}, stop);
     if (!found) return found.error();
     tools = std::move(*found);
+    if (tools->pixelsBeyond > 0)
+      log(LogLevel::Info, "shells",
+          std::to_string(tools->pixelsBeyond) + " pixels have more than " + std::to_string(kSurfaceLayers) +
+              " translucent layers of tools; those behind are joined, up to " +
+              std::to_string(tools->largestResidual) + " of the light");
     images.counters.triangles += tools->counters.triangles;
   }
   // The nearest crossing of a closed surface from outside is a front face.

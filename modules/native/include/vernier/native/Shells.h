@@ -16,7 +16,9 @@
 // callers.
 #pragma once
 #include <array>
+#include <limits>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -50,7 +52,7 @@ struct ShellsJob {
 };
 inline constexpr std::size_t kBoxPlanes = 6;  // of ShellsJob::kept
 
-// Depth: of the crossing that is shown; with Sum of the nearest; where none is, of an opaque tool.
+// Depth: of the crossing that is shown; with Sum the mean of all; where none is, of an opaque tool.
 VERNIER_API Result<void> drawShells(const ShellsJob&, Images&, std::stop_token);
 
 // Whether anything of the volume's box is cut away: by a plane, by the near distance, or since it lies behind
@@ -68,5 +70,26 @@ struct ShellRay {
   std::array<Cap, 2> caps;        // at the beginning and at the end
 };
 VERNIER_API ShellRay shellRay(const ShellsJob&, double x, double y);
+
+// The tools of one pixel.
+struct VERNIER_API ToolsOnRay {
+  std::span<const SurfaceHits::Layer> layers;               // translucent ones before the end, nearest first
+  double end_mm = std::numeric_limits<double>::infinity();  // where an opaque one ends the ray
+  glm::dvec3 endColour{0};
+
+  bool ends() const { return end_mm < std::numeric_limits<double>::infinity(); }
+  // What is left of light from behind t, and what the translucent ones before t add themselves.
+  double through(double t_mm) const;
+  glm::dvec3 own(double t_mm) const;
+};
+VERNIER_API ToolsOnRay toolsAt(const SurfaceHits&, std::size_t pixel);
+
+// What the shells come to in a pixel, and its colour with tools and background.
+struct ShellPixel {
+  bool hit = false;
+  double value = 0;  // brightness, dimmed by tools; Lit: the share of the headlight
+  double t_mm = 0;   // Lit: where
+};
+VERNIER_API glm::dvec3 shellColour(const ShellsJob&, const ShellPixel&, const ToolsOnRay&);
 
 }  // namespace vernier::native

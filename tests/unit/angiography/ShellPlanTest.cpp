@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Plans of shells: what they say, what they refuse.
+#include <gmock/gmock.h>
+
+#include "ShellCases.h"
+
+namespace vernier::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(ShellPlan, OnePassThatSaysWhatItShows) {
+  ShellCase c;
+  c.shells().disabled = {4};
+  const Result<Plan> plan = c.plan("shells.native");
+  ASSERT_TRUE(plan.ok()) << plan.error().text();
+  ASSERT_EQ(plan->passes.size(), 1u);
+  EXPECT_EQ(plan->passes[0].params->dump().substr(0, 67),
+            "max, 4 of 5 levels from 30 to 120, beta0 0, beta_m 1, a 0, b 1; ort");
+  EXPECT_THAT(plan->notes, ::testing::Contains(HasSubstr("no bound of the true values")));
+  EXPECT_THAT(plan->notes, ::testing::Contains("1 of 5 levels are disabled"));
+  EXPECT_GT(plan->passes[0].resources[0].bytes, 10000u);
+}
+
+TEST(ShellPlan, WhatCannotBeDrawnIsSaidWithItsPlace) {
+  const auto errorOf = [](const std::function<void(ShellCase&)>& change) {
+    ShellCase c;
+    change(c);
+    const Result<Plan> plan = c.plan("shells.native");
+    EXPECT_FALSE(plan.ok());
+    return plan.error();
+  };
+  EXPECT_EQ(errorOf([](ShellCase& c) { c.shells().source = "w"; }).where, "/layers/0/source");
+  EXPECT_EQ(errorOf([](ShellCase& c) { c.shells().a = -1; }).where, "/layers/0/a");
+  EXPECT_EQ(errorOf([](ShellCase& c) { c.shells().betaM = 0; }).where, "/layers/0/beta_m");
+  EXPECT_EQ(errorOf([](ShellCase& c) { c.shells().beta0 = NAN; }).where, "/layers/0/beta0");
+  EXPECT_EQ(errorOf([](ShellCase& c) { c.shells().levels = {5, 4}; }).where, "/layers/0/levels");
+}
+
+TEST(ShellPlan, D5_OneLevelAndTooMany) {
+  ShellCase c;
+  c.shells().levels.clear();
+  c.shells().count = 1;
+  EXPECT_EQ(c.job().shells.size(), 1u);
+  c.shells().count = 1024;
+  EXPECT_TRUE(c.draw().ok());
+  c.shells().count = 4096;
+  EXPECT_THAT(c.plan("shells.native").error().sentence, HasSubstr("there may be 1 to 1024"));
+}
+
+TEST(ShellPlan, D5_OverTheMemoryBudgetIsRefusedWithTheBytesNeeded) {
+  ShellCase c;
+  angiography::ShellStore small(100'000);
+  const PlanContext context{c.scene,     c.view,   Quality{}, ShellHost::instance().capabilities,
+                            CostTable{}, c.sources};
+  const auto refused = angiography::shellParams(c.scene.layers[0], 0, context, small);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::OutOfMemory);
+  EXPECT_THAT(refused.error().sentence, HasSubstr("5 levels need about 1 MB and 1 MB may be used"));
+}
+
+TEST(ShellPlan, LevelsByHistogramAreFoundOncePerVolume) {
+  ShellCase c;
+  c.shells().levels.clear();
+  c.shells().count = 4, c.shells().spread = LevelSpread::Histogram;
+  const auto job = c.job();
+  ASSERT_EQ(job.shells.size(), 4u);
+  const std::uint64_t bytes = ShellHost::instance().store->cache.bytes();
+  EXPECT_EQ(c.job().shells[2].level, job.shells[2].level);
+  EXPECT_EQ(ShellHost::instance().store->cache.bytes(), bytes);
+}
+
+}  // namespace
+}  // namespace vernier::test

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Tools among shells: a screw half in front of and half behind the vessels.
+#include <algorithm>
+
+#include "ShellCases.h"
+
+namespace vernier::test {
+namespace {
+
+// A rod with a thread around x, from -length/2 to length/2.
+std::shared_ptr<const Mesh> screw(double length_mm, double radius_mm) {
+  MeshBuilder b;
+  constexpr int kAlong = 40, kAround = 14;
+  const auto at = [&](int i, int j) {
+    const double u = 2 * std::numbers::pi * (j % kAround) / kAround;
+    const double r = i <= 0 || i >= kAlong ? 0 : radius_mm * (1 + 0.25 * std::sin(u + 1.6 * i));
+    const double x = length_mm * (std::clamp(i, 1, kAlong - 1) / double(kAlong) - 0.5);
+    return b.vertex({x, r * std::cos(u), r * std::sin(u)});
+  };
+  for (int i = 0; i < kAlong; ++i)
+    for (int j = 0; j < kAround; ++j) {
+      b.triangle(at(i, j), at(i + 1, j), at(i + 1, j + 1));
+      b.triangle(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+    }
+  return *b.finish();
+}
+
+// Through the middle of the volume, its head towards the viewer and its tip away.
+void addScrew(ShellCase& c, double opacity) {
+  const GridGeometry& g = c.sources.volumes["v"]->grid();
+  c.addTool(screw(24, 2.2), g.centre(), opacity);
+  auto& pose = std::get<SurfaceLayer>(c.scene.layers.back()).pose;
+  const glm::dvec3 x = glm::normalize(glm::dvec3(0.6, -0.7, 0.2)),
+                   y = glm::normalize(glm::cross(x, glm::dvec3(0, 0, 1)));
+  pose.linear = glm::dmat3(x, y, glm::cross(x, y));
+}
+
+class ShellTools : public ::testing::TestWithParam<const char*> {
+ protected:
+  std::string technique() const { return GetParam(); }
+  bool native() const { return technique() == "shells.native"; }
+  double tolerance(ShellsMode mode) const { return native() ? 2e-6 : mode == ShellsMode::Lit ? 5e-3 : 1e-3; }
+};
+#define NEEDS_GL_UNLESS_NATIVE \
+  if (!native() && !glDevice()) return
+
+// 99.9 % of pixels, and none that is wrong farther than a pixel from an edge of the true picture.
+void expectTrueButForEdges(const ShellCase& c, const std::string& technique, double tolerance) {
+  const Result<Images> images = c.draw(technique);
+  ASSERT_TRUE(images.ok()) << images.error().text();
+  const auto wrong = wrongPixels(c, *images, tolerance);
+  EXPECT_LE(wrong.size(), static_cast<std::size_t>(images->width * images->height) / 1000);
+  const ShellTruth truth(c);
+  const auto colour = [&](int x, int y) {
+    return truth.colour(truth.at(x + 0.5, y + 0.5), x + 0.5, y + 0.5);
+  };
+  for (const glm::ivec2 p : wrong) {
+    double spread = 0;
+    for (int n = 0; n < 9; ++n)
+      spread = std::max(spread, glm::length(colour(p.x + n % 3 - 1, p.y + n / 3 - 1) - colour(p.x, p.y)));
+    EXPECT_GT(spread, tolerance) << p.x << " " << p.y;
+  }
+}
+
+TEST_P(ShellTools, E1_AScrewHalfInFrontAndHalfBehind) {
+  NEEDS_GL_UNLESS_NATIVE;
+  for (const Projection projection : {Projection::Orthographic, Projection::Perspective})
+    for (const ShellsMode mode : {ShellsMode::Max, ShellsMode::Sum, ShellsMode::Lit})
+      for (const double a : {0.0, 0.7}) {
+        ShellCase c;
+        c.scene.camera.projection = projection;
+        c.shells().mode = mode, c.shells().a = a, c.shells().b = 0.4, c.shells().beta0 = 0.05;
+        addScrew(c, 1);
+        SCOPED_TRACE(c.plan(technique())->passes[0].params->dump());
+        expectTrueButForEdges(c, technique(), tolerance(mode));
+      }
+}
+
+// The screw is seen, is hidden and hides: else the test above would prove little.
+TEST_P(ShellTools, TheScrewIsInTheMidstOfTheShells) {
+  NEEDS_GL_UNLESS_NATIVE;
+  ShellCase c;
+  addScrew(c, 1);
+  const ShellTruth truth(c);
+  int before = 0, hides = 0, alone = 0;
+  for (int y = 0; y < c.view.height_px; ++y)
+    for (int x = 0; x < c.view.width_px; ++x) {
+      const RayList ray = truth.at(x + 0.5, y + 0.5);
+      if (ray.tools.empty()) continue;
+      if (ray.shells.empty())
+        ++alone;
+      else if (ray.shells[0].t_mm < ray.tools[0].t_mm)
+        ++before;
+      else
+        ++hides;
+    }
+  EXPECT_GT(before, 100);
+  EXPECT_GT(hides, 50);
+  EXPECT_GT(alone, 10);
+}
+
+TEST_P(ShellTools, E7_TranslucentToolsDimWhatIsBehindBeforeTheMaximum) {
+  NEEDS_GL_UNLESS_NATIVE;
+  if (technique() == "shells.gl") {  // whose depth buffer cannot: shells.glmax is for that
+    ShellCase c;
+    addScrew(c, 0.4);
+    EXPECT_EQ(c.draw(technique()).error().code, ErrorCode::NoTechnique);
+    EXPECT_EQ(c.plan("")->passes[0].technique, "shells.native");
+    return;
+  }
+  for (const ShellsMode mode : {ShellsMode::Max, ShellsMode::Sum, ShellsMode::Lit})
+    for (const double opacity : {0.4, 1.0 / 255}) {
+      ShellCase c;
+      c.scene.background = {0.1, 0.2, 0.1};
+      c.shells().mode = mode, c.shells().a = 0.5, c.shells().b = 0.4;
+      addScrew(c, opacity);
+      expectTrueButForEdges(c, technique(), tolerance(mode));
+    }
+  ShellCase c;
+  const Images without = *c.draw(technique());
+  addScrew(c, 0);
+  EXPECT_EQ(c.draw(technique())->colour, without.colour);
+  EXPECT_EQ(c.draw(technique())->counters.triangles, without.counters.triangles);
+}
+
+TEST_P(ShellTools, E7_64LayersOfAHundredth) {
+  NEEDS_GL_UNLESS_NATIVE;
+  if (technique() == "shells.gl") return;
+  ShellCase c;
+  const auto sheet = [] {
+    MeshBuilder b;
+    const auto p = [&](double x, double z) { return b.vertex({x, 0, z}); };
+    b.triangle(p(-40, -40), p(40, -40), p(40, 40));
+    b.triangle(p(-40, -40), p(40, 40), p(-40, 40));
+    return *b.finish();
+  }();
+  const PatientPoint middle = c.sources.volumes["v"]->grid().centre();
+  for (int n = 0; n < 64; ++n)
+    c.addTool(sheet, middle + PatientVec(0, 0.2 * (n - 32), 0), 0.01, {0.3, 0.5, 1});
+  const Images images = *c.draw(technique());
+  // Beyond the eight nearest layers the rest is one, at the place of its nearest: 2 levels of 255.
+  EXPECT_LE(wrongPixels(c, images, 0.3).size(), 0u);
+  const auto wrong = wrongPixels(c, images, 2.0 / 255);
+  std::size_t inside = 0;
+  for (const glm::ivec2 p : wrong)
+    inside += images.depth[static_cast<std::size_t>(p.x + images.width * p.y)] == kNothing_mm;
+  EXPECT_EQ(inside, 0u);  // where no shell stands between the layers nothing is lost
+}
+
+TEST_P(ShellTools, E1_TheOrderOfToolsDoesNotMatter) {
+  NEEDS_GL_UNLESS_NATIVE;
+  ShellCase c;
+  addScrew(c, 1);
+  c.addTool(screw(20, 1.5), c.sources.volumes["v"]->grid().centre() + PatientVec(0, -3, 2), 1, {0.2, 0.4, 1});
+  const Images one = *c.draw(technique());
+  std::swap(c.scene.layers[1], c.scene.layers[2]);
+  const Images other = *c.draw(technique());
+  for (std::size_t n = 0; n < one.colour.size(); ++n) ASSERT_NEAR(one.colour[n], other.colour[n], 1e-6);
+}
+
+TEST_P(ShellTools, E3_CoplanarToolsHaveOneWinner) {
+  NEEDS_GL_UNLESS_NATIVE;
+  ShellCase c;
+  addScrew(c, 1);
+  addScrew(c, 1);
+  std::get<SurfaceLayer>(c.scene.layers[2]).colour = {0, 0, 1};
+  const Images images = *c.draw(technique());
+  for (std::size_t n = 0; n < images.depth.size(); ++n)
+    if (images.colour[4 * n] > 0 && images.colour[4 * n + 1] != images.colour[4 * n])
+      FAIL() << "the first of the two shows at " << n;
+  for (int turn = 0; turn < 5; ++turn) EXPECT_EQ(c.draw(technique())->colour, images.colour);
+}
+
+TEST_P(ShellTools, E4_ATenthOfAMillimetreApartAtTwoMetres) {
+  NEEDS_GL_UNLESS_NATIVE;
+  for (const double behind_mm : {-0.1, 0.1}) {
+    VolumeInfo info;
+    info.grid = unitGrid(20, 12, 12);
+    std::vector<float> values;
+    for (int n = 0; n < 20 * 12 * 12; ++n)
+      values.push_back(n / 20 % 12 >= 6 ? 100.0f : 0.0f);  // inside: y > 5.5
+    ShellCase c(volumeOf(info, values));
+    c.shells().levels = {50};
+    c.scene.camera = {};
+    c.scene.camera.projection = Projection::Perspective;
+    c.scene.camera.distance_mm = 1900, c.scene.camera.zoom = 20;
+    MeshBuilder b;
+    const auto p = [&](double x, double z) { return b.vertex({x, 5.5 + behind_mm, z}); };
+    b.triangle(p(-5, -5), p(30, -5), p(30, 30));
+    b.triangle(p(-5, -5), p(30, 30), p(-5, 30));
+    c.addTool(*b.finish(), PatientPoint(0, 0, 0));
+    expectTrueButForEdges(c, technique(), tolerance(ShellsMode::Max));
+    const Images images = *c.draw(technique());
+    const std::size_t middle = static_cast<std::size_t>(4 * (36 + images.width * 30));
+    EXPECT_EQ(images.colour[middle + 1] == images.colour[middle], behind_mm > 0) << "grey: the shell";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ShellTools, ::testing::ValuesIn(kShellTechniques), shellTechniqueName);
+
+}  // namespace
+}  // namespace vernier::test
