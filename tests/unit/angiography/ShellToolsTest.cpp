@@ -196,6 +196,37 @@ TEST_P(ShellTools, E4_ATenthOfAMillimetreApartAtTwoMetres) {
   }
 }
 
+TEST(ShellToolLayers, E2_LayersBeyondEightAreCountedWithTheirShare) {
+  ShellCase c;
+  addScrew(c, 0.4);
+  const native::ShellsJob job = c.job();
+  const Result<native::SurfaceHits> hits = native::findSurfaces({job.tools, job.camera, glm::dvec3(0)}, {});
+  ASSERT_TRUE(hits.ok());
+  const ShellTruth truth(c);
+  std::uint64_t beyond = 0;
+  for (int y = 0; y < c.view.height_px; ++y)
+    for (int x = 0; x < c.view.width_px; ++x) beyond += truth.at(x + 0.5, y + 0.5).tools.size() > 8;
+  EXPECT_GT(beyond, 0u);
+  EXPECT_EQ(hits->pixelsBeyond, beyond);
+  EXPECT_GT(hits->largestResidual, 0.001);
+  EXPECT_LE(hits->largestResidual, std::pow(0.6, 8));
+}
+
+// Triangles without area never get into a mesh; what is left of the tool is drawn.
+TEST_P(ShellTools, E6_TrianglesWithoutAreaAreDroppedAndTheRestIsDrawn) {
+  NEEDS_GL_UNLESS_NATIVE;
+  ShellCase c;
+  const PatientPoint middle = c.sources.volumes["v"]->grid().centre();
+  MeshBuilder b;
+  const auto p = b.vertex({-6, -8, -6}), q = b.vertex({6, -8, -6}), r = b.vertex({0, -8, 6});
+  b.triangle(p, q, r), b.triangle(p, p, r), b.triangle(p, q, b.vertex({0, -8, -6}));
+  b.triangle(p, q, b.vertex({NAN, 0, 0}));
+  EXPECT_EQ(b.dropped().zeroArea, 2u);
+  EXPECT_EQ(b.dropped().notFinite, 1u);
+  c.addTool(*b.finish(), middle);
+  expectTrueButForEdges(c, technique(), tolerance(ShellsMode::Max));
+}
+
 INSTANTIATE_TEST_SUITE_P(All, ShellTools, ::testing::ValuesIn(kShellTechniques), shellTechniqueName);
 
 }  // namespace
