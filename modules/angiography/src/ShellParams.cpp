@@ -72,7 +72,7 @@ std::uint64_t estimateOf(const std::vector<double>& levels, const Volume& volume
 std::string megabytes(std::uint64_t bytes) { return std::to_string((bytes + (1u << 20) - 1) >> 20) + " MB"; }
 
 Result<void> checkMemory(const ShellParams& p, const ShellStore& store) {
-  const std::uint64_t needed = kIsoBytesPerTriangle * p.triangles + isoWorkingBytes(p.job.volume->grid());
+  const std::uint64_t needed = kIsoBytesPerTriangle * p.triangles + p.working_bytes;
   if (needed <= store.cache.limit()) return {};
   return makeError(ErrorCode::OutOfMemory, "The shells of " + std::to_string(p.job.shells.size()) +
                                                " levels need about " + megabytes(needed) + " and " +
@@ -142,6 +142,7 @@ Result<std::shared_ptr<const ShellParams>> shellParams(const Layer& any, std::si
     job.shells.push_back({(*levels)[n], applyVoi(*layer.window, (*levels)[n]), nullptr});
   }
   p->levels = levels->size();
+  p->working_bytes = isoWorkingBytes(volume.grid(), context.capabilities.threads);
   p->triangles = estimateOf(enabled, volume, store);
   if (const Result<void> ok = checkMemory(*p, store); !ok) return ok.error();
   return std::shared_ptr<const ShellParams>(std::move(p));
@@ -167,7 +168,7 @@ Pass shellPass(const std::shared_ptr<const ShellParams>& p, std::size_t index) {
   if (!p->job.tools.empty()) pass.inputs.push_back("tools");
   pass.outputs = {"colour", "depth"};
   pass.resources = {{"shell meshes", kIsoBytesPerTriangle * p->triangles},
-                    {"while extracting", isoWorkingBytes(p->job.volume->grid())}};
+                    {"while extracting", p->working_bytes}};
   const double count = static_cast<double>(p->job.shells.size());
   pass.predictedError = std::max(kLeast, kPerLevel / (count + 1));
   pass.notes = {

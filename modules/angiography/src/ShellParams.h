@@ -19,6 +19,7 @@ struct ShellStore {
 struct ShellParams final : PassParams {
   native::ShellsJob job;                    // without meshes: they are made when the pass is drawn
   std::uint64_t triangles = 0, levels = 0;  // an estimate of the shells' triangles; levels with disabled ones
+  std::uint64_t working_bytes = 0;          // while levels are extracted
   std::string dump() const override;
 };
 
