@@ -71,7 +71,13 @@ TEST(ShellPlan, D5_OneLevelAndTooMany) {
 
 TEST(ShellPlan, D5_OverTheMemoryBudgetIsRefusedWithTheBytesNeeded) {
   ShellCase c;
-  angiography::ShellStore small(100'000);
+  class SmallHost final : public Host {
+    Result<void> addTechnique(Technique) override { return {}; }
+    Result<gpu::Device*> glDevice() override { return makeError(ErrorCode::GlUnavailable, "none"); }
+    DerivedCache& derivedData() override { return cache_; }
+    DerivedCache cache_{100'000};
+  } host;
+  angiography::ShellStore small(host);
   const PlanContext context{c.scene,     c.view,   Quality{}, ShellHost::instance().capabilities,
                             CostTable{}, c.sources};
   const auto refused = angiography::shellParams(c.scene.layers[0], 0, context, small);
@@ -86,9 +92,9 @@ TEST(ShellPlan, LevelsByHistogramAreFoundOncePerVolume) {
   c.shells().count = 4, c.shells().spread = LevelSpread::Histogram;
   const auto job = c.job();
   ASSERT_EQ(job.shells.size(), 4u);
-  const std::uint64_t bytes = ShellHost::instance().store->cache.bytes();
+  const std::uint64_t bytes = ShellHost::instance().store->cache().bytes();
   EXPECT_EQ(c.job().shells[2].level, job.shells[2].level);
-  EXPECT_EQ(ShellHost::instance().store->cache.bytes(), bytes);
+  EXPECT_EQ(ShellHost::instance().store->cache().bytes(), bytes);
 }
 
 }  // namespace
