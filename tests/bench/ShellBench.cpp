@@ -31,7 +31,9 @@ class BenchHost final : public Host {
     }
     return device.get();
   }
+  DerivedCache& derivedData() override { return derived; }
   TechniqueRegistry registry;
+  DerivedCache derived{std::uint64_t{4} << 30};
   std::unique_ptr<gpu::Device> device;
 };
 
@@ -91,7 +93,7 @@ int main(int argc, char** argv) {
   Sources sources;
   sources.volumes["v"] = *volume;
   BenchHost host;
-  const auto store = std::make_shared<angiography::ShellStore>(std::uint64_t{4} << 30);
+  const auto store = std::make_shared<angiography::ShellStore>(host);
   for (Technique t : {angiography::nativeShellsTechnique(store), angiography::glShellsTechnique(host, store),
                       angiography::glMaxShellsTechnique(host, store)})
     if (!host.addTechnique(std::move(t))) return 1;

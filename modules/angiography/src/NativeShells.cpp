@@ -9,7 +9,7 @@ namespace vernier::angiography {
 namespace {
 
 // Built-in costs of one thread, measured; per triangle of the shells and per pixel of the picture.
-constexpr double kTriangle_ns = 40.0, kPixel_ns = 30.0;
+constexpr double kTriangle_ns = 30.0, kPixel_ns = 30.0;
 
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context,
                                     ShellStore& store) {

@@ -2,12 +2,11 @@
 #include "AngiographyTechniques.h"
 #include "ShellParams.h"
 #include "vernier/angiography/Angiography.h"
-#include "vernier/base/Budget.h"
 
 namespace vernier::angiography {
 
 Result<void> registerAngiography(Host& host) {
-  const auto store = std::make_shared<ShellStore>(MemoryBudget::halfOfFreeBytes());
+  const auto store = std::make_shared<ShellStore>(host);
   for (Technique t :
        {sampledProjectionTechnique(host), exactProjectionTechnique(host), nativeShellsTechnique(store),
         glShellsTechnique(host, store), glMaxShellsTechnique(host, store)})

@@ -46,7 +46,7 @@ Result<std::vector<double>> levelsOf(const ShellsLayer& layer, const Volume& vol
   const DerivedCache::Key key{"shell-levels", volume.revision(),
                               std::to_string(layer.count) + " " + exact(w.center) + " " + exact(w.width) +
                                   " " + std::to_string(static_cast<int>(w.function))};
-  const auto kept = store.cache.get<Levels>(key, [&]() -> Result<DerivedCache::Made<Levels>> {
+  const auto kept = store.cache().get<Levels>(key, [&]() -> Result<DerivedCache::Made<Levels>> {
     Result<Levels> made = shellLevels(layer, volume);
     if (!made) return made.error();
     const std::uint64_t bytes = made->size() * sizeof(double);
@@ -60,7 +60,7 @@ std::uint64_t estimateOf(const std::vector<double>& levels, const Volume& volume
   using Estimate = std::uint64_t;
   std::string name;
   for (const double v : levels) name += exact(v) + " ";
-  const auto kept = store.cache.get<Estimate>(
+  const auto kept = store.cache().get<Estimate>(
       {"shell-triangles", volume.revision(), name}, [&]() -> Result<DerivedCache::Made<Estimate>> {
         Estimate sum = 0;
         for (const std::uint64_t n : estimateIsoTriangles(volume, levels)) sum += n;
@@ -71,12 +71,12 @@ std::uint64_t estimateOf(const std::vector<double>& levels, const Volume& volume
 
 std::string megabytes(std::uint64_t bytes) { return std::to_string((bytes + (1u << 20) - 1) >> 20) + " MB"; }
 
-Result<void> checkMemory(const ShellParams& p, const ShellStore& store) {
-  const std::uint64_t needed = kIsoBytesPerTriangle * p.triangles + isoWorkingBytes(p.job.volume->grid());
-  if (needed <= store.cache.limit()) return {};
+Result<void> checkMemory(const ShellParams& p, ShellStore& store) {
+  const std::uint64_t needed = kIsoBytesPerTriangle * p.triangles + p.working_bytes;
+  if (needed <= store.cache().limit()) return {};
   return makeError(ErrorCode::OutOfMemory, "The shells of " + std::to_string(p.job.shells.size()) +
                                                " levels need about " + megabytes(needed) + " and " +
-                                               megabytes(store.cache.limit()) +
+                                               megabytes(store.cache().limit()) +
                                                " may be used; take fewer levels, or levels above the noise.");
 }
 
@@ -142,6 +142,7 @@ Result<std::shared_ptr<const ShellParams>> shellParams(const Layer& any, std::si
     job.shells.push_back({(*levels)[n], applyVoi(*layer.window, (*levels)[n]), nullptr});
   }
   p->levels = levels->size();
+  p->working_bytes = isoWorkingBytes(volume.grid(), context.capabilities.threads);
   p->triangles = estimateOf(enabled, volume, store);
   if (const Result<void> ok = checkMemory(*p, store); !ok) return ok.error();
   return std::shared_ptr<const ShellParams>(std::move(p));
@@ -151,7 +152,7 @@ Result<native::ShellsJob> withMeshes(const ShellParams& p, ShellStore& store, st
   native::ShellsJob job = p.job;
   std::vector<double> levels;
   for (const native::Shell& s : job.shells) levels.push_back(s.level);
-  const Result<IsoSurfaces> made = isoSurfaces(*job.volume, levels, store.cache, stop);
+  const Result<IsoSurfaces> made = isoSurfaces(*job.volume, levels, store.cache(), stop);
   if (!made) return made.error();
   store.extracted += made->extracted;
   for (std::size_t n = 0; n < job.shells.size(); ++n) job.shells[n].mesh = made->meshes[n];
@@ -167,7 +168,7 @@ Pass shellPass(const std::shared_ptr<const ShellParams>& p, std::size_t index) {
   if (!p->job.tools.empty()) pass.inputs.push_back("tools");
   pass.outputs = {"colour", "depth"};
   pass.resources = {{"shell meshes", kIsoBytesPerTriangle * p->triangles},
-                    {"while extracting", isoWorkingBytes(p->job.volume->grid())}};
+                    {"while extracting", p->working_bytes}};
   const double count = static_cast<double>(p->job.shells.size());
   pass.predictedError = std::max(kLeast, kPerLevel / (count + 1));
   pass.notes = {

@@ -9,16 +9,19 @@
 
 namespace vernier::angiography {
 
-// Levels, meshes and estimates, kept from picture to picture. One for all techniques of the plugin.
+// Levels, meshes and estimates, kept from picture to picture in the host's cache. One for all techniques of
+// the plugin.
 struct ShellStore {
-  explicit ShellStore(std::uint64_t limit_bytes) : cache(limit_bytes) {}
-  DerivedCache cache;
+  explicit ShellStore(Host& h) : host(h) {}
+  DerivedCache& cache() { return host.derivedData(); }
+  Host& host;
   std::atomic<std::uint64_t> extracted = 0;  // levels, since the store was made
 };
 
 struct ShellParams final : PassParams {
   native::ShellsJob job;                    // without meshes: they are made when the pass is drawn
   std::uint64_t triangles = 0, levels = 0;  // an estimate of the shells' triangles; levels with disabled ones
+  std::uint64_t working_bytes = 0;          // while levels are extracted
   std::string dump() const override;
 };
 

@@ -57,8 +57,7 @@ class ShellHost final : public Host {
     if (gpu::Device* device = vernier::test::glDevice()) return device;
     return makeError(ErrorCode::GlUnavailable, "GL is not here.");
   }
-  std::shared_ptr<angiography::ShellStore> store =
-      std::make_shared<angiography::ShellStore>(std::uint64_t{1} << 28);
+  std::shared_ptr<angiography::ShellStore> store = std::make_shared<angiography::ShellStore>(*this);
   TechniqueRegistry registry;
   Capabilities capabilities;
 

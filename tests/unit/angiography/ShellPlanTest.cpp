@@ -2,7 +2,11 @@
 // Plans of shells: what they say, what they refuse.
 #include <gmock/gmock.h>
 
+#include <fstream>
+#include <sstream>
+
 #include "ShellCases.h"
+#include "TestPaths.h"
 
 namespace vernier::test {
 namespace {
@@ -20,6 +24,23 @@ TEST(ShellPlan, OnePassThatSaysWhatItShows) {
   EXPECT_THAT(plan->notes, ::testing::Contains(HasSubstr("no bound of the true values")));
   EXPECT_THAT(plan->notes, ::testing::Contains("1 of 5 levels are disabled"));
   EXPECT_GT(plan->passes[0].resources[0].bytes, 10000u);
+}
+
+TEST(ShellPlan, PlanGolden) {
+  ShellCase c;
+  c.scene.camera.projection = Projection::Perspective;
+  c.scene.crop = CropBox{VoxelPoint(4, 3, 2), VoxelPoint(16, 15, 9)};
+  c.shells().a = 0.5, c.shells().b = 0.2, c.shells().disabled = {0};
+  Capabilities machine;
+  machine.gl = true, machine.threads = 2;
+  const std::string path = std::string(VERNIER_SOURCE_DIR) + "/tests/plan/shells.plan.txt";
+  std::ifstream in(path);
+  std::stringstream golden;
+  golden << in.rdbuf();
+  EXPECT_EQ(dumpPlan(*makePlan(c.scene, c.view, Quality{}, machine, CostTable{}, c.sources,
+                               ShellHost::instance().registry)),
+            golden.str())
+      << "golden: " << path;
 }
 
 TEST(ShellPlan, WhatCannotBeDrawnIsSaidWithItsPlace) {
@@ -50,7 +71,13 @@ TEST(ShellPlan, D5_OneLevelAndTooMany) {
 
 TEST(ShellPlan, D5_OverTheMemoryBudgetIsRefusedWithTheBytesNeeded) {
   ShellCase c;
-  angiography::ShellStore small(100'000);
+  class SmallHost final : public Host {
+    Result<void> addTechnique(Technique) override { return {}; }
+    Result<gpu::Device*> glDevice() override { return makeError(ErrorCode::GlUnavailable, "none"); }
+    DerivedCache& derivedData() override { return cache_; }
+    DerivedCache cache_{100'000};
+  } host;
+  angiography::ShellStore small(host);
   const PlanContext context{c.scene,     c.view,   Quality{}, ShellHost::instance().capabilities,
                             CostTable{}, c.sources};
   const auto refused = angiography::shellParams(c.scene.layers[0], 0, context, small);
@@ -65,9 +92,9 @@ TEST(ShellPlan, LevelsByHistogramAreFoundOncePerVolume) {
   c.shells().count = 4, c.shells().spread = LevelSpread::Histogram;
   const auto job = c.job();
   ASSERT_EQ(job.shells.size(), 4u);
-  const std::uint64_t bytes = ShellHost::instance().store->cache.bytes();
+  const std::uint64_t bytes = ShellHost::instance().store->cache().bytes();
   EXPECT_EQ(c.job().shells[2].level, job.shells[2].level);
-  EXPECT_EQ(ShellHost::instance().store->cache.bytes(), bytes);
+  EXPECT_EQ(ShellHost::instance().store->cache().bytes(), bytes);
 }
 
 }  // namespace

@@ -215,5 +215,87 @@ TEST(Device, OwnersMayGoOnAnyThreadAndAfterTheDevice) {
   EXPECT_TRUE(shared->finish().ok());  // makes itself current again
 }
 
+constexpr const char* kClipVertex = R"(#version 330 core
+layout(location = 0) in vec2 position;
+layout(location = 1) in vec3 colour;
+uniform float z;
+uniform vec2 cut;
+out vec3 vertexColour;
+out float gl_ClipDistance[8];
+void main() {
+  vertexColour = colour;
+  gl_Position = vec4(position, z, 1.0);
+  for (int n = 0; n < 8; ++n) gl_ClipDistance[n] = n == 1 ? cut.x + cut.y * position.x : 1.0;
+})";
+
+// How many pixels of an 8 x 8 target the two triangles cover.
+std::size_t covered(Device& device, const VertexData& vertices, const DrawState& state, float z,
+                    glm::vec2 cut = {1, 0}) {
+  const auto program = device.program("clip", kClipVertex, kColour);
+  const Result<Target> target = device.target(8, 8, kFloat4, true);
+  EXPECT_TRUE(program.ok() && target.ok());
+  EXPECT_TRUE(device.clear(*target, 0, {0, 0, 0, 0}).ok());
+  EXPECT_TRUE(device.clearDepth(*target, 0).ok());
+  Draw d;
+  d.program = program->get(), d.vertices = &vertices, d.count = vertices.count(), d.state = state;
+  d.uniforms = {{"gain", 1.0f}, {"z", z}, {"cut", cut}};
+  EXPECT_TRUE(device.draw(*target, {&d, 1}).ok());
+  std::vector<float> out(256);
+  EXPECT_TRUE(device.read(*target, 0, out).ok());
+  std::size_t n = 0;
+  for (std::size_t p = 3; p < out.size(); p += 4) n += out[p] > 0;
+  return n;
+}
+
+TEST(Device, ClipDistancesCutAndDepthIsHeldInRange) {
+  VERNIER_NEEDS_GL(device);
+  const Result<VertexData> quad = device->vertices(kQuad, kQuadLayout);
+  ASSERT_TRUE(quad.ok());
+  constexpr glm::vec2 kRightHalf{0, -1};
+  DrawState state;
+  state.clipDistances = 2;
+  EXPECT_EQ(covered(*device, *quad, state, 0), 64u);
+  EXPECT_EQ(covered(*device, *quad, state, 0, kRightHalf), 32u);
+  EXPECT_EQ(covered(*device, *quad, state, 1.5), 0u);
+  state.depthClamp = true;
+  EXPECT_EQ(covered(*device, *quad, state, 1.5), 64u);
+  state.depth = DepthTest::Greater;
+  EXPECT_EQ(covered(*device, *quad, state, -1.5), 0u);  // held at 0, which is not above 0
+  EXPECT_EQ(covered(*device, *quad, {}, 1.5), 0u);      // nothing of it stays
+}
+
+TEST(Device, IndicesShareVertices) {
+  VERNIER_NEEDS_GL(device);
+  const std::array<float, 20> corners{-1, -1, 0, 0, 1, 1, -1, 1, 0, 1, -1, 1, 0, 1, 1, 1, 1, 1, 1, 1};
+  const std::array<std::uint32_t, 6> indices{0, 1, 2, 2, 1, 3};
+  const Result<VertexData> quad = device->vertices(corners, kQuadLayout, indices);
+  ASSERT_TRUE(quad.ok());
+  EXPECT_EQ(quad->count(), 6);
+  EXPECT_EQ(quad->bytes(), sizeof corners + sizeof indices);
+  EXPECT_EQ(covered(*device, *quad, {}, 0), 64u);
+  const std::array<std::uint32_t, 3> half{0, 1, 2};
+  const Result<VertexData> one = device->vertices(corners, kQuadLayout, half);
+  EXPECT_EQ(covered(*device, *one, {}, 0) +
+                covered(*device, *device->vertices(corners, kQuadLayout, std::span(indices).last(3)), {}, 0),
+            64u);
+  const std::array<std::uint32_t, 3> beyond{0, 1, 4};
+  EXPECT_THAT(device->vertices(corners, kQuadLayout, beyond).error().sentence,
+              HasSubstr("names a vertex that is not there"));
+}
+
+TEST(Device, VertexDataAndTexturesShareOneLimit) {
+  VERNIER_NEEDS_GL(device);
+  DeviceCache cache(3 * sizeof kQuad);
+  int made = 0;
+  const auto make = [&] { return ++made, device->vertices(kQuad, kQuadLayout); };
+  const auto first = cache.vertices({"quad", 1, 0}, make);
+  EXPECT_EQ(*cache.vertices({"quad", 1, 0}, make), *first);
+  EXPECT_EQ(made, 1);
+  for (Revision r : {2, 3, 4}) ASSERT_TRUE(cache.vertices({"quad", r, 0}, make).ok());
+  EXPECT_EQ(cache.bytes(), 3 * sizeof kQuad);
+  ASSERT_TRUE(cache.vertices({"quad", 1, 0}, make).ok());  // went when the fourth came
+  EXPECT_EQ(made, 5);
+}
+
 }  // namespace
 }  // namespace vernier::gpu

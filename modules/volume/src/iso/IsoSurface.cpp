@@ -197,10 +197,10 @@ Result<IsoSurfaces> isoSurfaces(const Volume& volume, std::span<const double> le
   return out;
 }
 
-std::uint64_t isoWorkingBytes(const GridGeometry& g) {
+std::uint64_t isoWorkingBytes(const GridGeometry& g, int threads) {
   const auto layer = static_cast<std::uint64_t>((g.columns + 2) * (g.rows + 2));
   // A slab of floats, and a byte per edge with a few numbers per row of VTK's own.
-  return static_cast<std::uint64_t>(threads()) * (kSlab + 1) * (5 * layer + 48 * (g.rows + 2));
+  return static_cast<std::uint64_t>(std::max(1, threads)) * (kSlab + 1) * (5 * layer + 48 * (g.rows + 2));
 }
 
 std::vector<std::uint64_t> estimateIsoTriangles(const Volume& volume, std::span<const double> levels) {

@@ -2,9 +2,9 @@
 // Looking through a volume. registerAngiography adds to the host:
 //   projection.native  what a ray amounts to, sampled along it: SIMD           (kind projection)
 //   projection.exact   the same without sampling error, cell by cell in double (kind projection)
-//   shells.native      emission shells by rays through their meshes            (kind shells)
-//   shells.gl          GL: the depth buffer is the maximum operator, Heidrich et al. 1996, section 3 (kind
-//   shells) shells.glmax       GL: blending by GL_MAX on a float target                (kind shells)
+//   shells.native      emission shells by the native rasteriser                  (kind shells)
+//   shells.gl          the same, the depth buffer as maximum
+//   shells.glmax       the same, blending as maximum
 #pragma once
 #include "vernier/plan/Technique.h"
 

@@ -35,8 +35,8 @@ struct IsoSurfaces {
 VERNIER_API Result<IsoSurfaces> isoSurfaces(const Volume&, std::span<const double> levels_val, DerivedCache&,
                                             std::stop_token = {}, const ProgressFn& = {});
 
-// Host memory that extraction takes beside its results.
-VERNIER_API std::uint64_t isoWorkingBytes(const GridGeometry&);
+// Host memory that extraction takes beside its results, on so many threads.
+VERNIER_API std::uint64_t isoWorkingBytes(const GridGeometry&, int threads);
 // About how many triangles each level has, from every fourth row of every fourth slice. Levels ascend.
 VERNIER_API std::vector<std::uint64_t> estimateIsoTriangles(const Volume&,
                                                             std::span<const double> levels_val);
