@@ -50,7 +50,8 @@ HWY_INLINE Block BlockAt(const Part& r, std::int64_t block) {
     b.part[a] = static_cast<float>(at[a] - whole);
   }
   b.begin = static_cast<float>(r.from - b.t), b.end = static_cast<float>(r.to - b.t);
-  b.cut = block == 0 || (block + 1) * kBlock >= r.steps.count;
+  // The samples of the last two steps of an extremum may lie beyond the part's end.
+  b.cut = block == 0 || (block + 1) * kBlock + 1 >= r.steps.count;
   return b;
 }
 
@@ -267,7 +268,7 @@ HWY_INLINE float CuedBound(const Part& r, std::int64_t block, float score) {
 template <class T, Gather kG, bool kHoles>
 void Extreme(const FastProjection& p, const VoxelRay& ray, double from, double to, RayHint& hint,
              Gathered& out, ProjectionWork& work) {
-  Part r{p, ray, from, to, stepsOf(from, to, p.job->step_mm), cueAlong(*p.job, ray), kNever, 0, work};
+  Part r{p, ray, from, to, stepsOf(from, to, p.job->step_mm, true), cueAlong(*p.job, ray), kNever, 0, work};
   const std::int64_t blocks = (r.steps.count + kBlock - 1) / kBlock;
   const float* const bounds = BlockBounds(r, blocks);
   const auto boundOf = [&](std::int64_t b) {
@@ -295,7 +296,7 @@ template <class T, Gather kG, bool kHoles>
 void Integral(const FastProjection& p, const VoxelRay& ray, double from, double to, RayHint&, Gathered& out,
               ProjectionWork& work) {
   const D d;
-  Part r{p, ray, from, to, stepsOf(from, to, p.job->step_mm), {}, kNever, 0, work};
+  Part r{p, ray, from, to, stepsOf(from, to, p.job->step_mm, false), {}, kNever, 0, work};
   const std::int64_t blocks = (r.steps.count + kBlock - 1) / kBlock;
   // A score that still emits nothing; a mean needs every value.
   const float dark = kG == Gather::Emission ? -p.greyOffset / p.greyScale : kNever;

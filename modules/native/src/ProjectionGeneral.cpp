@@ -27,7 +27,7 @@ Gathered gather(const ProjectionJob& job, const VoxelRay& ray, double from, doub
   const bool extreme = how == Gather::Extreme || how == Gather::Cued;
   const double sign = job.mode == ProjectionMode::Min ? -1 : 1;
   const CueAlong cue = how == Gather::Cued ? cueAlong(job, ray) : CueAlong{};
-  const Steps steps = stepsOf(from, to, job.step_mm);
+  const Steps steps = stepsOf(from, to, job.step_mm, extreme);
   double best = -std::numeric_limits<double>::infinity();
   Gathered out;
   for (std::int64_t n = 0; n < steps.count; ++n) {

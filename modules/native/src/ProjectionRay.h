@@ -64,14 +64,16 @@ struct RayHint {
   double at_mm = -1;
 };
 
-// The steps of the lattice that [from, to] meets: step k covers [k, k + 1) * step_mm.
+// The steps of the lattice that [from, to] meets: step k covers [k, k + 1) * step_mm. Extrema take the steps
+// before and behind too: their samples are moved to the part's ends.
 struct Steps {
   std::int64_t first = 0, count = 0;
 };
-inline Steps stepsOf(double from_mm, double to_mm, double step_mm) {
+inline Steps stepsOf(double from_mm, double to_mm, double step_mm, bool extreme) {
   const auto first = static_cast<std::int64_t>(std::floor(from_mm / step_mm));
   const auto last = static_cast<std::int64_t>(std::ceil(to_mm / step_mm)) - 1;
-  return {first, std::max<std::int64_t>(1, last - first + 1)};
+  const Steps met{first, std::max<std::int64_t>(1, last - first + 1)};
+  return extreme ? Steps{met.first - 1, met.count + 2} : met;
 }
 
 // Samples in double with every rule of the grid.
