@@ -144,6 +144,10 @@ TEST(SurfaceTechnique, WhatCannotBeDrawnIsSaidWithItsPlace) {
   Case mixed;
   addThree(mixed);
   mixed.scene.layers.insert(mixed.scene.layers.begin(), ImageLayer{});
+  // Only a layer that something here draws can stand in the way.
+  Technique images = surfaces::nativeSurfaceTechnique();
+  images.name = "image.test", images.kinds = {"image"};
+  ASSERT_TRUE(mixed.techniques.add(std::move(images)).ok());
   EXPECT_EQ(mixed.plan().error().code, ErrorCode::NotBuiltYet);
 }
 
