@@ -39,8 +39,8 @@ struct DrawState {
   std::optional<Rect> scissor;
   std::optional<Rect> viewport;  // absent: the whole target
   std::array<bool, 4> colourMask{true, true, true, true};
-  // gl_ClipDistance[0 .. n - 1] cut, at most kMostClipDistances. A program that writes more of them must write
-  // what cuts nothing: Mesa 22.3's software renderer heeds all that are written.
+  // gl_ClipDistance[0 .. n - 1] cut, at most kMostClipDistances. A program that writes more of them must
+  // write what cuts nothing: Mesa 22.3's software renderer heeds all that are written.
   int clipDistances = 0;
   bool depthClamp = false;  // depth beyond 0..1 is held there instead of being cut off
 };
