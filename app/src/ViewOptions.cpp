@@ -108,7 +108,7 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
   Result<std::optional<CurvedLayer>> curved = curvedFrom(o);
   if (!curved) return curved.error();
   p.curved = std::move(*curved);
-  if (const Result<void> r = volumeOptions(o.volume, p); !r) return r.error();
+  if (const Result<void> r = volumeOptions(o.volume, o.view, p); !r) return r.error();
   const Result<Camera> camera = parseCamera(o.camera);
   if (!camera) return camera.error();
   p.camera = *camera;

@@ -46,7 +46,7 @@ Result<void> readLevels(const std::string& text, ShellsLayer& shells) {
 
 void addVolumeFlags(CLI::App& sub, VolumeOptions& o) {
   sub.add_option("--levels", o.levels,
-                 "Views shells..: how many levels, or their values v1,v2,.. (absent: 12)");
+                 "Views shells..: how many levels, or their values v1,v2,.. (absent: 12, lit 3)");
   sub.add_option("--level-spread", o.spread, "Views shells..: even histogram (absent: even)")
       ->check(CLI::IsMember({"even", "histogram"}));
   sub.add_option("--beta0", o.beta0, "Views shells..: brightness of the background end of the depth ramp")
@@ -54,7 +54,7 @@ void addVolumeFlags(CLI::App& sub, VolumeOptions& o) {
   sub.add_option("--beta-m", o.betaM, "Views shells..: slope of the depth ramp (absent: 1)")
       ->check(finiteAboveZero());
   sub.add_option("--a", o.a, "Views shells..: amount of depth cue (absent: 0)")->check(finiteFrom(0, 1e6));
-  sub.add_option("--b", o.b, "Views shells..: contrast between levels (absent: 1)")
+  sub.add_option("--b", o.b, "Views shells..: contrast between levels (absent: 1, sum 1 / levels)")
       ->check(finiteFrom(0, 1e6));
   sub.add_option("--cue", o.cue, "View mip: depth cue, 0 none to 1 (absent: 0)")->check(finiteFrom(0, 1));
   sub.add_option("--gain", o.gain_perMm, "Views sum, attenuation: gain per mm (absent: 4 / diagonal)")
@@ -72,7 +72,7 @@ std::string givenVolumeOption(const VolumeOptions& o) {
   return "";
 }
 
-Result<void> volumeOptions(const VolumeOptions& o, PresetOptions& preset) {
+Result<void> volumeOptions(const VolumeOptions& o, const std::string& view, PresetOptions& preset) {
   if (o.cue || o.gain_perMm) {
     preset.projection.emplace();
     preset.projection->cue = o.cue.value_or(0);
@@ -80,13 +80,15 @@ Result<void> volumeOptions(const VolumeOptions& o, PresetOptions& preset) {
   }
   const bool shells = !o.levels.empty() || !o.spread.empty() || o.beta0 || o.betaM || o.a || o.b;
   if (!shells) return {};
-  ShellsLayer layer;
+  ShellsLayer layer = shellsOfView(view);
   if (!o.levels.empty())
     if (const Result<void> ok = readLevels(o.levels, layer); !ok) return ok;
   if (o.spread == "histogram") layer.spread = LevelSpread::Histogram;
   layer.beta0 = o.beta0.value_or(layer.beta0);
   layer.betaM = o.betaM.value_or(layer.betaM);
   layer.a = o.a.value_or(layer.a);
+  if (layer.mode == ShellsMode::Sum)
+    layer.b = 1.0 / (layer.levels.empty() ? layer.count : static_cast<double>(layer.levels.size()));
   layer.b = o.b.value_or(layer.b);
   preset.shells = layer;
   return {};

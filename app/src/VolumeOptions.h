@@ -10,7 +10,7 @@ void addVolumeFlags(CLI::App&, VolumeOptions&);
 // The first of these options that was given; "" when none was.
 std::string givenVolumeOption(const VolumeOptions&);
 
-// Puts them into the options of the preset; which view takes which is checked there.
-Result<void> volumeOptions(const VolumeOptions&, PresetOptions&);
+// Puts them into the options of the preset of that view; which view takes which is checked there.
+Result<void> volumeOptions(const VolumeOptions&, const std::string& view, PresetOptions&);
 
 }  // namespace vernier::app

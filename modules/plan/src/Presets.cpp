@@ -115,11 +115,10 @@ Result<Scene> throughVolume(const std::string& view, const std::string& source,
                : "Levels and brightness of shells belong to the views shells, shells-sum and shells-lit.",
         shells ? "gain" : "levels");
   if (shells) {
-    ShellsLayer layer = options.shells.value_or(ShellsLayer{});
+    const ShellsLayer own = shellsOfView(view);
+    ShellsLayer layer = options.shells.value_or(own);
     layer.source = source;
-    layer.mode = view == "shells-sum"   ? ShellsMode::Sum
-                 : view == "shells-lit" ? ShellsMode::Lit
-                                        : ShellsMode::Max;
+    layer.mode = own.mode;
     layer.window = options.window;
     scene.layers.emplace_back(std::move(layer));
     return scene;
@@ -185,6 +184,13 @@ PatientPoint slicePoint(const GridGeometry& grid, PatientVec normal, std::int64_
   if (glm::length(sideways) <= 1e-9 * (1 + glm::length(fromCentre)))
     return onSlice;  // exactly on voxel centres
   return PatientPoint(onSlice.p - sideways);
+}
+
+ShellsLayer shellsOfView(const std::string& viewName) {
+  ShellsLayer layer;
+  if (viewName == "shells-sum") layer.mode = ShellsMode::Sum, layer.b = 1.0 / layer.count;
+  if (viewName == "shells-lit") layer.mode = ShellsMode::Lit, layer.count = 3;
+  return layer;
 }
 
 Result<Scene> presetScene(const std::string& viewName, const std::string& source, const GridGeometry& grid,

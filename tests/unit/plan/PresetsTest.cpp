@@ -196,6 +196,27 @@ TEST(Presets, NamesAndTheirPlugins) {
   EXPECT_EQ(presetScene("axila", "v", g, {}).error().code, ErrorCode::SceneInvalid);
 }
 
+TEST(Presets, ShellsOfTheViews) {
+  GridGeometry g;
+  g.columns = g.rows = g.slices = 4;
+  const auto shells = [&](const std::string& view, const PresetOptions& o = {}) {
+    return std::get<ShellsLayer>(presetScene(view, "v", g, o)->layers.at(0));
+  };
+  EXPECT_EQ(shells("shells").mode, ShellsMode::Max);
+  EXPECT_EQ(shells("shells").count, 12);
+  EXPECT_EQ(shells("shells").b, 1);
+  EXPECT_EQ(shells("shells-sum").mode, ShellsMode::Sum);
+  EXPECT_EQ(shells("shells-sum").b, 1.0 / 12);
+  EXPECT_EQ(shells("shells-lit").mode, ShellsMode::Lit);
+  EXPECT_EQ(shells("shells-lit").count, 3);
+  PresetOptions given;
+  given.shells.emplace();
+  given.shells->count = 7, given.shells->b = 0.5;
+  EXPECT_EQ(shells("shells-sum", given).mode, ShellsMode::Sum);
+  EXPECT_EQ(shells("shells-sum", given).count, 7);
+  EXPECT_EQ(shells("shells-sum", given).b, 0.5);
+}
+
 TEST(Presets, StackIsOneStoredFrame) {
   const Scene scene = stackScene("s", 12, {});
   const auto& layer = std::get<ImageLayer>(scene.layers.at(0));

@@ -41,6 +41,11 @@ struct PresetOptions {
 VERNIER_API const std::vector<std::string>& viewNames();
 VERNIER_API std::string pluginOfView(const std::string& viewName);
 
+// What the shells of a view are without options: 12 even levels; shells-lit 3, since only the outermost is
+// seen and the lowest of many levels is noise; shells-sum with b = 1 / levels, so that one crossing in and
+// out of every shell is about white.
+VERNIER_API ShellsLayer shellsOfView(const std::string& viewName);
+
 // The plane of the view oblique: through the volume's centre, with the axes of the 3-D camera at azimuth 30,
 // elevation 20.
 VERNIER_API Plane obliquePlane(const GridGeometry&);
