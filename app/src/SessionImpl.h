@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a Session holds. Private to Session.cpp (what is opened) and SessionRender.cpp (what is drawn).
 #pragma once
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <map>
@@ -64,9 +65,9 @@ struct Session::Impl {
   std::function<Result<std::unique_ptr<gpu::Device>>()> makeDevice;
   bool deviceWasRebuilt = false;
   static constexpr std::uint64_t kKeptFrames_bytes = std::uint64_t{64} << 20;
-  static constexpr std::uint64_t kDerivedBytes = std::uint64_t{1} << 30;
+  static constexpr std::uint64_t kDerivedBytes = std::uint64_t{1} << 30;  // at least
   MemoryBudget budget;
-  DerivedCache derived{kDerivedBytes};
+  DerivedCache derived{std::max(kDerivedBytes, budget.limit() / 2)};
   StudySet study;
   std::vector<VolumeFile> volumeFiles;
   std::optional<StackChoice> chosen;

@@ -36,14 +36,16 @@ if [ ! -f "$screw" ]; then
   "$vernier" phantom screw --out "$out" >/dev/null
   screw=$(find "$out/screw" -name '*.stl' | head -n 1)
 fi
+levels=260,340,420,500,580,660  # above the tissue and its noise
 angio=$out/vessels
 looks=mip,mip:cued,minip,mean,sum,shells,shells:cued,shells-sum,shells-lit,attenuation
 if [ -d ../shared/data/vol_cta_avm ]; then angio=../shared/data/vol_cta_avm/AVM.nii.gz; fi
 for projection in orthographic perspective; do
   "$vernier" sheet "$out/vessels" --out "$out/looks-$projection.png" --title "vessels, $projection" --columns 5 \
-    --size 384x384 --views "$looks" --camera "azimuth=30,elevation=20,zoom=1.4,projection=$projection"
+    --size 384x384 --views "$looks" --levels "$levels" \
+    --camera "azimuth=30,elevation=20,zoom=1.4,projection=$projection"
   "$vernier" sheet "$out/vessels" --out "$out/looks-tool-$projection.png" --title "vessels and a screw, $projection" \
-    --columns 5 --size 384x384 --views "$looks" --surface "$screw" \
+    --columns 5 --size 384x384 --views "$looks" --levels "$levels" --surface "$screw" \
     --camera "azimuth=30,elevation=20,zoom=1.4,projection=$projection"
   [ "$angio" = "$out/vessels" ] ||
     "$vernier" sheet "$angio" --out "$out/looks-angiography-$projection.png" --title "CT angiography, $projection" \
