@@ -5,17 +5,13 @@
 #include <charconv>
 #include <cmath>
 
+#include "DumpNumber.h"
 #include "vernier/volume/IsoSurface.h"
 #include "vernier/volume/Voi.h"
 
 namespace vernier::angiography {
 namespace {
 
-std::string number(double v) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, v, std::chars_format::general, 6);
-  return std::string(text, end.ptr);
-}
 std::string exact(double v) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, v);
@@ -159,6 +155,27 @@ Result<native::ShellsJob> withMeshes(const ShellParams& p, ShellStore& store, st
   return job;
 }
 
+namespace {
+
+// Levels that no value passes are said, since the picture is then emptier, or fuller, than was asked for.
+void noteOutside(const native::ShellsJob& job, std::vector<std::string>& notes) {
+  const auto range = job.volume->modalityRange();
+  if (!range) return;
+  const auto count = [&](auto&& outside) {
+    return std::count_if(job.shells.begin(), job.shells.end(),
+                         [&](const native::Shell& s) { return outside(s.level); });
+  };
+  const std::string of = " of " + std::to_string(job.shells.size()) + " levels lie ";
+  if (const auto n = count([&](double level) { return level > range->max; }); n > 0)
+    notes.push_back(std::to_string(n) + of + "above all values of the volume, at most " + number(range->max) +
+                    ", and show nothing");
+  if (const auto n = count([&](double level) { return level <= range->min; }); n > 0)
+    notes.push_back(std::to_string(n) + of + "below all values of the volume, at least " +
+                    number(range->min) + ", and show its box");
+}
+
+}  // namespace
+
 Pass shellPass(const std::shared_ptr<const ShellParams>& p, std::size_t index) {
   // Of a maximum against the continuous truth 99 % of pixels lie within a step between levels, measured: 36
   // at 6 levels, 19 at 12; but 8.5 at 64, since triangles are no level sets, and hardly better with more.
@@ -178,6 +195,7 @@ Pass shellPass(const std::shared_ptr<const ShellParams>& p, std::size_t index) {
   if (p->job.shells.size() < p->levels)
     pass.notes.push_back(std::to_string(p->levels - p->job.shells.size()) + " of " +
                          std::to_string(p->levels) + " levels are disabled");
+  noteOutside(p->job, pass.notes);
   pass.params = p;
   return pass;
 }

@@ -13,6 +13,17 @@ namespace {
 
 using ::testing::HasSubstr;
 
+TEST(ShellPlan, LevelsOutsideTheDataAreSaid) {
+  ShellCase c;
+  c.shells().levels = {-5, 60, 5000, 6000};
+  const Result<Plan> plan = c.plan();
+  ASSERT_TRUE(plan.ok());
+  EXPECT_THAT(plan->notes, ::testing::Contains(::testing::HasSubstr("2 of 4 levels lie above all values")));
+  EXPECT_THAT(plan->notes, ::testing::Contains(::testing::HasSubstr("1 of 4 levels lie below all values")));
+  c.shells().levels = {60, 90};
+  EXPECT_THAT(c.plan()->notes, ::testing::Not(::testing::Contains(::testing::HasSubstr("levels lie"))));
+}
+
 TEST(ShellPlan, OnePassThatSaysWhatItShows) {
   ShellCase c;
   c.shells().disabled = {4};
