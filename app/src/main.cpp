@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <clocale>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 
 #include "Cli.h"
@@ -29,6 +31,20 @@ int notBuiltYet(const Later& command) {
   return report(makeError(ErrorCode::NotBuiltYet,
                           "This command is not built yet; `vernier --help` lists those that are.",
                           command.name));
+}
+
+// The trace is written at the end, when it is too late to ask: a file that is there and is no trace is kept.
+Result<void> traceMayBeWritten(const std::string& path) {
+  std::error_code none;
+  if (path.empty() || !std::filesystem::is_regular_file(path, none) ||
+      std::filesystem::file_size(path, none) == 0)
+    return {};
+  const std::string begins = "{\"traceEvents\"";
+  std::string found(begins.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(found.data(), static_cast<std::streamsize>(found.size()));
+  if (found == begins) return {};
+  return makeError(ErrorCode::OptionInvalid,
+                   "The file is there already and is no trace, so it is kept; name another.", "--trace");
 }
 
 int runCli(int argc, char** argv) {
@@ -78,6 +94,7 @@ int runCli(int argc, char** argv) {
   for (const CLI::App* parsed : app.get_subcommands())
     if (const Result<void> given = noEmptyValues(*parsed); !given) return report(given.error());
   if (const Result<void> given = noEmptyValues(app); !given) return report(given.error());
+  if (const Result<void> free = traceMayBeWritten(global.traceFile); !free) return report(free.error());
   if (!global.traceFile.empty()) traceStart();
   int code = 2;
   commands.insert(commands.end(), notYet.begin(), notYet.end());

@@ -100,6 +100,18 @@ TEST_F(Cli, ASceneThatNeedsAnAbsentPluginIsKeptAndSaysSo) {
       << "the layer is kept verbatim";
 }
 
+TEST_F(Cli, ATraceIsNotWrittenOverWhatIsNone) {
+  const std::string study = writeSmallStudy(dir_.path() / "s");
+  write("notes.txt", "mine");
+  const ProgramRun kept = vernier({"info", study, "--trace", path("notes.txt")});
+  EXPECT_EQ(kept.exitCode, 2) << show(kept);
+  EXPECT_NE(kept.err.find("--trace"), std::string::npos) << show(kept);
+  EXPECT_EQ(readFile(path("notes.txt")), "mine");
+  for (int n = 0; n < 2; ++n)  // anew, and over an earlier trace
+    EXPECT_EQ(vernier({"info", study, "--trace", path("t.json")}).exitCode, 0);
+  EXPECT_EQ(readFile(path("t.json")).rfind("{\"traceEvents\"", 0), 0u);
+}
+
 TEST_F(Cli, MaxErrorThatCannotBeMetExitsFour) {
   const std::string study = writeSmallStudy(dir_.path() / "s");
   const ProgramRun r = vernier(
