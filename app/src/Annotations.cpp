@@ -64,6 +64,28 @@ Result<Annotations> describeLook(Session& session, const Look& layer, const Scen
   return describe(layer, *camera, (*volume)->info(), window, scene.crop || !scene.clip.empty());
 }
 
+Annotations describe(const VolumeLayer& l, const CameraPicture& c, const Volume& v, bool cut) {
+  VolumeLayer named = l;
+  if (!l.transfer && l.preset.empty() && !v.isColour()) named.preset = defaultTransferPreset(v);
+  return describeRendering(named, c, v.info(), cut);
+}
+Annotations describe(const IsosurfaceLayer& l, const CameraPicture& c, const Volume& v, bool cut) {
+  IsosurfaceLayer levelled = l;
+  if (!l.level && !v.isColour()) levelled.level = defaultIsoLevel(v);
+  return describeIsosurface(levelled, c, v.info(), cut);
+}
+
+// Looks through a volume that have no window.
+template <class Look>
+Result<Annotations> describeRendered(Session& session, const Look& layer, const Scene& scene,
+                                     const View& view) {
+  const auto volume = session.volume(layer.source);
+  if (!volume) return volume.error();
+  const Result<CameraPicture> camera = cameraPicture(scene.camera, view, cameraBox((*volume)->grid()));
+  if (!camera) return camera.error();
+  return describe(layer, *camera, **volume, scene.crop || !scene.clip.empty());
+}
+
 Result<void> hatchLayer(Session& session, const Layer& layer, const Scene& scene, const View& view,
                         const Images& images, Picture& picture) {
   const auto hatch = [&](const std::string& source, const auto& placed) -> Result<void> {
@@ -106,9 +128,7 @@ bool isSlice(const Scene& scene) {
 }
 
 bool looksThrough(const Scene& scene) {
-  return std::any_of(scene.layers.begin(), scene.layers.end(), [](const Layer& l) {
-    return std::holds_alternative<ProjectionLayer>(l) || std::holds_alternative<ShellsLayer>(l);
-  });
+  return std::any_of(scene.layers.begin(), scene.layers.end(), looksThroughVolume);
 }
 
 constexpr double kOutline_px = 1.6;
@@ -149,6 +169,10 @@ Result<Annotations> annotationsFor(Session& session, const Scene& scene, const V
       said = describeLook(session, *projection, scene, view, describeProjection);
     if (const auto* shells = std::get_if<ShellsLayer>(&*layer))
       said = describeLook(session, *shells, scene, view, describeShells);
+    if (const auto* volume = std::get_if<VolumeLayer>(&*layer))
+      said = describeRendered(session, *volume, scene, view);
+    if (const auto* iso = std::get_if<IsosurfaceLayer>(&*layer))
+      said = describeRendered(session, *iso, scene, view);
     if (std::holds_alternative<SurfaceLayer>(*layer) && !isSlice(scene) && !looksThrough(scene))
       said = describeSurfaces(session, scene, view);
     if (!said) continue;

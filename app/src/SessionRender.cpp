@@ -64,14 +64,8 @@ Result<Sources> Session::Impl::sourcesFor(Session& session, const Scene& scene, 
     return {};
   };
   for (const Layer& layer : scene.layers) {
-    if (const auto* slice = std::get_if<SliceLayer>(&layer)) {
-      if (const Result<void> r = take(slice->source); !r) return r.error();
-    } else if (const auto* curved = std::get_if<CurvedLayer>(&layer)) {
-      if (const Result<void> r = take(curved->source); !r) return r.error();
-    } else if (const auto* projection = std::get_if<ProjectionLayer>(&layer)) {
-      if (const Result<void> r = take(projection->source); !r) return r.error();
-    } else if (const auto* shells = std::get_if<ShellsLayer>(&layer)) {
-      if (const Result<void> r = take(shells->source); !r) return r.error();
+    if (const std::string* source = volumeOf(layer)) {
+      if (const Result<void> r = take(*source); !r) return r.error();
     } else if (const auto* image = std::get_if<ImageLayer>(&layer)) {
       const auto f = session.image(image->source, image->index);
       if (!f) return f.error();
@@ -116,11 +110,25 @@ Scene Session::Impl::withWindows(Scene scene, const Sources& sources) {
     if (const Volume& volume = *sources.volumes.at(layer->source); !volume.isColour())
       layer->window = wholeRange(volume);
   };
+  // A name becomes the function that it stands for, so that a report says what was drawn. An unknown name is
+  // left to the planner's sentence.
+  const auto fillVolume = [&](VolumeLayer* layer) {
+    if (!layer || layer->transfer) return;
+    const Volume& volume = *sources.volumes.at(layer->source);
+    if (volume.isColour()) return;
+    if (layer->preset.empty()) layer->preset = defaultTransferPreset(volume);
+    if (Result<TransferFunction> f = transferPreset(layer->preset, volume); f)
+      layer->transfer = *std::move(f);
+  };
   for (Layer& layer : scene.layers) {
     fill(std::get_if<SliceLayer>(&layer));
     fill(std::get_if<CurvedLayer>(&layer));
     fillWhole(std::get_if<ProjectionLayer>(&layer));
     fillWhole(std::get_if<ShellsLayer>(&layer));
+    fillVolume(std::get_if<VolumeLayer>(&layer));
+    if (auto* iso = std::get_if<IsosurfaceLayer>(&layer); iso && !iso->level)
+      if (const Volume& volume = *sources.volumes.at(iso->source); !volume.isColour())
+        iso->level = defaultIsoLevel(volume);
   }
   return scene;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The options that say what to draw, as the command line has them.
 #include "OptionChecks.h"
+#include "RenderingOptions.h"
 #include "ViewOptions.h"
 #include "VolumeOptions.h"
 
@@ -15,7 +16,7 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
   auto* view =
       sub.add_option("--view", o.view,
                      "stack axial coronal sagittal oblique slab curved; through the volume: mip minip sum "
-                     "mean attenuation shells shells-sum shells-lit");
+                     "mean attenuation shells shells-sum shells-lit dvr dvr-shaded iso");
   sub.add_option("--scene", o.sceneFile, "Scene as JSON (docs/scene.md)")->excludes(view);
   sub.add_option("--surface", o.surfaces,
                  "A surface file (docs/surfaces.md), mm: an outline on slices, alone in 3-D, or as the scene "
@@ -47,8 +48,12 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
   sub.add_option("--path-up", o.pathUp,
                  "View curved: up at the path's beginning (stretched: everywhere), x,y,z");
   addVolumeFlags(sub, o.volume);
+  addRenderingFlags(sub, o.rendering);
   auto* window = sub.add_option("--window", o.window, "CENTER,WIDTH in modality values (HU for CT)");
-  sub.add_option("--preset", o.preset, "brain subdural stroke lung bone abdomen mediastinum liver")
+  sub.add_option(
+         "--preset", o.preset,
+         "A window: brain subdural stroke lung bone abdomen mediastinum liver; views dvr..: a transfer "
+         "function: ct ct-bone ct-soft ct-lung ct-angio mr mr-angio ramp")
       ->excludes(window);
   sub.add_option(
       "--presentation", o.presentation,

@@ -6,6 +6,7 @@
 
 #include "OptionText.h"
 #include "PresentationOption.h"
+#include "RenderingOptions.h"
 #include "SurfaceOptions.h"
 #include "VolumeOptions.h"
 #include "vernier/plan/SceneJson.h"
@@ -30,8 +31,8 @@ Result<void> nothingBesideScene(const ViewOptions& o) {
                                                 {"--presentation", !o.presentation.empty()}};
   for (const auto& [option, isGiven] : given)
     if (isGiven) return invalid(option, "It goes with --view; a scene file says this itself.");
-  if (const std::string option = givenVolumeOption(o.volume); !option.empty())
-    return invalid(option, "It goes with --view; a scene file says this itself.");
+  for (const std::string& option : {givenVolumeOption(o.volume), givenRenderingOption(o.rendering)})
+    if (!option.empty()) return invalid(option, "It goes with --view; a scene file says this itself.");
   return {};
 }
 
@@ -44,8 +45,9 @@ Result<void> nothingForStacks(const ViewOptions& o) {
                    "Stored frames are shown with nearest or linear; cubic is for slices of a volume.");
   if (o.slab_mm || !o.slabMode.empty())
     return invalid("--slab", "The view stack shows stored frames; use axial, coronal, sagittal or oblique.");
-  if (const std::string option = givenVolumeOption(o.volume); !option.empty())
-    return invalid(option, "The view stack shows stored frames; use mip, sum or shells.");
+  for (const std::string& option : {givenVolumeOption(o.volume), givenRenderingOption(o.rendering)})
+    if (!option.empty())
+      return invalid(option, "The view stack shows stored frames; use mip, shells or dvr.");
   return {};
 }
 
@@ -109,6 +111,7 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
   if (!curved) return curved.error();
   p.curved = std::move(*curved);
   if (const Result<void> r = volumeOptions(o.volume, o.view, p); !r) return r.error();
+  if (const Result<void> r = renderingOptions(o.rendering, o.view, o.preset, p); !r) return r.error();
   const Result<Camera> camera = parseCamera(o.camera);
   if (!camera) return camera.error();
   p.camera = *camera;
@@ -129,7 +132,7 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
     p.window = *w;
   }
   const auto withPreset = [&](const std::string& unit) -> Result<void> {
-    if (o.preset.empty()) return {};
+    if (o.preset.empty() || o.view.starts_with("dvr")) return {};  // there it names a transfer function
     const Result<VoiWindow> w = windowPreset(o.preset, unit);
     if (!w) return w.error();
     p.window = *w;

@@ -16,6 +16,13 @@ struct VolumeOptions {
   std::optional<double> beta0, betaM, a, b, cue, gain_perMm;
 };
 
+// Of the views dvr, dvr-shaded and iso.
+struct RenderingOptions {
+  std::string transfer, mode, classification, opacity, gains, shading, combiner;  // "" = not given
+  std::optional<double> iso;
+  std::vector<std::string> lights;
+};
+
 struct ViewOptions {
   std::vector<std::string> inputs, surfaces;
   std::string view, sceneFile, series;
@@ -26,6 +33,7 @@ struct ViewOptions {
   std::string path, form, pathUp;  // of the view curved
   std::optional<double> width_mm;
   VolumeOptions volume;
+  RenderingOptions rendering;
   std::string engine, technique, quality = "review";
   std::optional<double> maxError, minFps;
   int errorSamples = 1024;

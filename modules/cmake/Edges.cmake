@@ -9,6 +9,7 @@ set(VERNIER_EDGES_native base volume plan)
 set(VERNIER_EDGES_quality base volume plan)
 set(VERNIER_EDGES_picture base volume plan)
 set(VERNIER_EDGES_angiography base volume plan gpu native)
+set(VERNIER_EDGES_dvr base volume plan gpu native)
 set(VERNIER_EDGES_mpr base volume plan gpu native)
 set(VERNIER_EDGES_surfaces base volume plan gpu native)
 # volume's headers speak of study's plain types (windows, findings), so whoever sees volume sees those types; the

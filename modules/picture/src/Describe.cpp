@@ -300,6 +300,33 @@ Annotations describeShells(const ShellsLayer& layer, const CameraPicture& camera
   return out;
 }
 
+Annotations describeRendering(const VolumeLayer& layer, const CameraPicture& camera, const VolumeInfo& info,
+                              bool cut) {
+  Annotations out = lookThrough(camera, info, cut);
+  std::string name = layer.mode == VolumeMode::Blend ? "DVR"
+                     : layer.mode == VolumeMode::Max ? "volume maximum"
+                                                     : "volume minimum";
+  if (layer.shading != ShadingModel::None) name += ", shaded";
+  if (!layer.combiner.empty()) name += ", " + layer.combiner;
+  if (layer.interpolation == Interpolation::Nearest) name += ", nearest";
+  if (layer.opacity == OpacityRule::Linear) name += ", linear opacity";
+  out.what.insert(out.what.begin(), plain(name, "DVR"));
+  if (info.channels == 1)
+    out.status.push_back(
+        plain(layer.preset.empty() ? "transfer function of its own" : "transfer " + layer.preset));
+  return out;
+}
+
+Annotations describeIsosurface(const IsosurfaceLayer& layer, const CameraPicture& camera,
+                               const VolumeInfo& info, bool cut) {
+  Annotations out = lookThrough(camera, info, cut);
+  out.what.insert(
+      out.what.begin(),
+      plain("iso-surface" + (layer.level ? " " + plainNumber(*layer.level, 2) + " " + info.unit : ""),
+            "iso"));
+  return out;
+}
+
 TextLine errorLine(double bound, int confidence_percent, std::optional<double> limit) {
   // Below a hundredth of a level the exact figure (it is in the report) says nothing more to a reader.
   const std::string number = bound > 0 && bound < 0.01 ? "< 0.01" : "<= " + plainNumber(roundedUp(bound), 2);

@@ -63,11 +63,7 @@ CameraBox cameraBox(const GridGeometry& grid) {
 Result<CameraBox> cameraBox(const Scene& scene, const Sources& sources) {
   glm::dvec3 low(std::numeric_limits<double>::infinity()), high(-low);
   for (const Layer& layer : scene.layers) {
-    const std::string* named = nullptr;
-    if (const auto* slice = std::get_if<SliceLayer>(&layer)) named = &slice->source;
-    if (const auto* projection = std::get_if<ProjectionLayer>(&layer)) named = &projection->source;
-    if (const auto* shells = std::get_if<ShellsLayer>(&layer)) named = &shells->source;
-    if (named) {
+    if (const std::string* named = volumeOf(layer)) {
       if (const auto v = sources.volumes.find(*named); v != sources.volumes.end())
         return cameraBox(v->second->grid());
     } else if (const auto* surface = std::get_if<SurfaceLayer>(&layer)) {

@@ -61,12 +61,8 @@ bool holds(const Scene& scene) {
                      [](const Layer& l) { return std::holds_alternative<Kind>(l); });
 }
 
-bool throughVolume(const Layer& layer) {
-  return std::holds_alternative<ProjectionLayer>(layer) || std::holds_alternative<ShellsLayer>(layer);
-}
 bool throughVolume(const Scene& scene) {
-  return std::any_of(scene.layers.begin(), scene.layers.end(),
-                     [](const Layer& l) { return throughVolume(l); });
+  return std::any_of(scene.layers.begin(), scene.layers.end(), looksThroughVolume);
 }
 
 // Plans one layer after the other into `plan`.

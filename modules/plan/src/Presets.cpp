@@ -137,6 +137,46 @@ Result<Scene> throughVolume(const std::string& view, const std::string& source,
   return scene;
 }
 
+// dvr, dvr-shaded and iso.
+Result<Scene> rendering(const std::string& view, const std::string& source, const PresetOptions& options) {
+  if (const Result<void> ok = noPlane(view, options); !ok) return ok.error();
+  if (options.projection || options.shells)
+    return makeError(ErrorCode::OptionInvalid,
+                     "Levels, cue and gain belong to the views of projections and shells, such as mip.",
+                     "levels");
+  if (options.window)
+    return makeError(
+        ErrorCode::OptionInvalid,
+        "The view '" + view + "' has no window: " +
+            (view == "iso" ? "it shows one level." : "a transfer function says how values look."),
+        "window");
+  Scene scene;
+  scene.camera = options.camera;
+  scene.lights = options.lights;
+  if (view == "iso") {
+    if (options.volume)
+      return makeError(ErrorCode::OptionInvalid,
+                       "A transfer function, shading and gains belong to the views dvr and dvr-shaded.",
+                       "transfer");
+    if (options.interpolation != Interpolation::Linear)
+      return makeError(ErrorCode::OptionInvalid, "An iso-surface is of the linear field.", "interpolation");
+    IsosurfaceLayer layer = options.iso.value_or(IsosurfaceLayer{});
+    layer.source = source;
+    scene.layers.emplace_back(std::move(layer));
+    return scene;
+  }
+  if (options.iso) return makeError(ErrorCode::OptionInvalid, "A level belongs to the view iso.", "iso");
+  VolumeLayer layer = options.volume.value_or(VolumeLayer{});
+  layer.source = source;
+  layer.interpolation = options.interpolation;
+  if (view == "dvr-shaded" && layer.shading == ShadingModel::None)
+    layer.shading = ShadingModel::ColourPerVoxel;
+  if (layer.shading == ShadingModel::None && !scene.lights.empty())
+    return makeError(ErrorCode::OptionInvalid, "Lights belong to the views dvr-shaded and iso.", "light");
+  scene.layers.emplace_back(std::move(layer));
+  return scene;
+}
+
 }  // namespace
 
 const std::vector<std::string>& viewNames() {
@@ -203,8 +243,16 @@ Result<Scene> presetScene(const std::string& viewName, const std::string& source
     return makeError(ErrorCode::SceneInvalid,
                      "There is no view called '" + viewName +
                          "'; views are: stack, axial, coronal, sagittal, oblique, slab, curved, mip, minip, "
-                         "sum, mean, attenuation, shells, shells-sum, shells-lit.");
+                         "sum, mean, attenuation, shells, shells-sum, shells-lit, dvr, dvr-shaded, iso.");
+  if (plugin != "dvr" && (options.volume || options.iso || !options.lights.empty()))
+    return makeError(
+        ErrorCode::OptionInvalid,
+        "Transfer functions, levels of surfaces and lights belong to the views dvr, dvr-shaded and iso.",
+        options.iso      ? "iso"
+        : options.volume ? "transfer"
+                         : "light");
   if (plugin == "angiography") return throughVolume(viewName, source, options);
+  if (plugin == "dvr") return rendering(viewName, source, options);
   if (plugin != "mpr")
     return makeError(ErrorCode::NotBuiltYet,
                      "The view '" + viewName + "' comes with the plugin " + plugin +

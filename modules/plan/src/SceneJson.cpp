@@ -6,7 +6,6 @@
 #include "JsonText.h"
 #include "SceneReader.h"
 #include "SceneWriter.h"
-#include "vernier/base/Guarded.h"
 
 namespace vernier {
 
@@ -64,22 +63,6 @@ std::string write(const SurfaceLayer& l) {
 }
 std::string write(const CustomLayer& l) { return l.json; }
 
-Error sceneError(const JsonFault& fault) {
-  return makeError(ErrorCode::SceneInvalid, fault.sentence, fault.path);
-}
-
-// Runs a parser and turns what it throws into an Error.
-template <class T, class Fn>
-Result<T> parsed(Fn&& fn) {
-  try {
-    return fn();
-  } catch (const JsonFault& fault) {
-    return sceneError(fault);
-  } catch (const std::exception&) {
-    return errorFromCurrentException("scene");
-  }
-}
-
 CustomLayer readCustom(const nlohmann::json& value, const std::string& path, std::string canonical) {
   const ObjectReader layer(value, path);
   CustomLayer l;
@@ -100,6 +83,7 @@ std::string writeScene(const Scene& scene) {
         cat(layers.empty() ? "\n    " : ",\n    ", std::visit([](const auto& l) { return write(l); }, layer));
   return cat("{\n  \"schema\": ", std::to_string(kSceneSchema), ",\n  \"camera\": ", write(scene.camera),
              ",\n  \"background\": ", vec({scene.background.r, scene.background.g, scene.background.b}),
+             scene.lights.empty() ? "" : cat(",\n  \"lights\": ", write(scene.lights)),
              scene.crop ? cat(",\n  \"crop\": ", write(*scene.crop)) : "",
              scene.clip.empty() ? "" : cat(",\n  \"clip\": ", write(scene.clip)), ",\n  \"layers\": [",
              layers, scene.layers.empty() ? "]\n}\n" : "\n  ]\n}\n");
@@ -107,13 +91,14 @@ std::string writeScene(const Scene& scene) {
 
 Result<Scene> parseScene(std::string_view json) {
   if (json.starts_with("\xEF\xBB\xBF")) json.remove_prefix(3);  // a byte order mark is no part of the text
-  return parsed<Scene>([&] {
+  return parsedScene<Scene>([&] {
     const nlohmann::json document = parseJson(json);
     const ObjectReader top(document, "");
     checkSchema(top);
     Scene scene;
     if (top.has("camera")) scene.camera = readCamera(top.child("camera"), "/camera");
     if (top.has("background")) scene.background = readRgb(top, "background");
+    if (top.has("lights")) scene.lights = readLights(top.child("lights"), "/lights");
     if (top.has("crop")) scene.crop = readCrop(top.child("crop"), "/crop");
     if (top.has("clip")) scene.clip = readClip(top.child("clip"), "/clip");
     const nlohmann::json& layers = top.array("layers");
@@ -138,6 +123,10 @@ Result<Scene> parseScene(std::string_view json) {
         scene.layers.emplace_back(readProjection(layers[i], path));
       else if (kind == "shells")
         scene.layers.emplace_back(readShells(layers[i], path));
+      else if (kind == "volume")
+        scene.layers.emplace_back(readVolume(layers[i], path));
+      else if (kind == "isosurface")
+        scene.layers.emplace_back(readIsosurface(layers[i], path));
       else
         scene.layers.emplace_back(readCustom(layers[i], path, texts.at(i)));
     }
@@ -147,16 +136,16 @@ Result<Scene> parseScene(std::string_view json) {
 
 Result<std::vector<PatientPoint>> parsePath(std::string_view json) {
   if (json.starts_with("\xEF\xBB\xBF")) json.remove_prefix(3);
-  return parsed<std::vector<PatientPoint>>(
+  return parsedScene<std::vector<PatientPoint>>(
       [&] { return Result<std::vector<PatientPoint>>(readPoints(parseJson(json), "")); });
 }
 
 Result<CustomLayer> customLayer(std::string_view json) {
-  return parsed<CustomLayer>([&] {
+  return parsedScene<CustomLayer>([&] {
     const nlohmann::json value = parseJson(json);
     const std::string kind = kindAt(value, "");
-    static const std::set<std::string> known = {"image",   "slice",      "curved",
-                                                "surface", "projection", "shells"};
+    static const std::set<std::string> known = {"image",      "slice",  "curved", "surface",
+                                                "projection", "shells", "volume", "isosurface"};
     if (known.contains(kind))
       throw JsonFault{"The kind '" + kind + "' is known and cannot be a custom layer.", "/kind"};
     return Result<CustomLayer>(readCustom(value, "", withoutSpace(json)));

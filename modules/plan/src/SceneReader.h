@@ -6,6 +6,7 @@
 #include <string>
 
 #include "JsonText.h"
+#include "vernier/base/Guarded.h"
 #include "vernier/plan/Scene.h"
 
 namespace vernier {
@@ -77,6 +78,22 @@ ProjectionLayer readProjection(const nlohmann::json&, const std::string& path);
 ShellsLayer readShells(const nlohmann::json&, const std::string& path);
 CropBox readCrop(const nlohmann::json&, const std::string& path);
 std::vector<HalfSpace> readClip(const nlohmann::json&, const std::string& path);
+// SceneRendering.cpp
+VolumeLayer readVolume(const nlohmann::json&, const std::string& path);
+IsosurfaceLayer readIsosurface(const nlohmann::json&, const std::string& path);
+std::vector<Light> readLights(const nlohmann::json&, const std::string& path);
+
+// Runs a parser and turns what it throws into an Error.
+template <class T, class Fn>
+Result<T> parsedScene(Fn&& fn) {
+  try {
+    return fn();
+  } catch (const JsonFault& fault) {
+    return makeError(ErrorCode::SceneInvalid, fault.sentence, fault.path);
+  } catch (const std::exception&) {
+    return errorFromCurrentException("scene");
+  }
+}
 
 const char* nameOf(VoiFunction);
 const char* nameOf(Interpolation);

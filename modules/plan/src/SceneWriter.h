@@ -35,5 +35,9 @@ std::string write(const ProjectionLayer&);  // this one and those below: SceneVo
 std::string write(const ShellsLayer&);
 std::string write(const CropBox&);
 std::string write(const std::vector<HalfSpace>&);
+std::string write(const VolumeLayer&);  // this one and those below: SceneRendering.cpp
+std::string write(const IsosurfaceLayer&);
+std::string write(const TransferFunction&);
+std::string write(const std::vector<Light>&);
 
 }  // namespace vernier

@@ -31,7 +31,7 @@ bool onlySurfaces(const Scene& scene) {
 Result<void> checkVolumes(const Scene& scene) {
   std::size_t through = 0, flat = 0;
   for (const Layer& l : scene.layers) {
-    if (std::holds_alternative<ProjectionLayer>(l) || std::holds_alternative<ShellsLayer>(l)) ++through;
+    if (looksThroughVolume(l)) ++through;
     if (std::holds_alternative<SliceLayer>(l) || std::holds_alternative<CurvedLayer>(l) ||
         std::holds_alternative<ImageLayer>(l))
       ++flat;

@@ -38,6 +38,12 @@ VERNIER_API Annotations describeProjection(const ProjectionLayer&, const CameraP
 VERNIER_API Annotations describeShells(const ShellsLayer&, const CameraPicture&, const VolumeInfo&,
                                        const VoiWindow& window, bool cut);
 
+// "DVR, ct", "DVR, shaded", "volume maximum"; "iso-surface 300 HU".
+VERNIER_API Annotations describeRendering(const VolumeLayer&, const CameraPicture&, const VolumeInfo&,
+                                          bool cut);
+VERNIER_API Annotations describeIsosurface(const IsosurfaceLayer&, const CameraPicture&, const VolumeInfo&,
+                                           bool cut);
+
 // "error <= 0.31 of 255 (99 %)", rounded up to two digits; amber when the bound is above the limit.
 VERNIER_API TextLine errorLine(double bound, int confidence_percent, std::optional<double> limit = {});
 

@@ -31,6 +31,9 @@ struct PresetOptions {
   std::optional<CurvedLayer> curved;  // of the view curved: its path, form, up and width count
   std::optional<ProjectionLayer> projection;  // of mip .. attenuation: its cue and gain count
   std::optional<ShellsLayer> shells;          // of shells..: all but source, mode and window counts
+  std::optional<VolumeLayer> volume;          // of dvr, dvr-shaded: all but source, and shading unless given
+  std::optional<IsosurfaceLayer> iso;         // of iso: all but source
+  std::vector<Light> lights;                  // of dvr-shaded and iso
   std::optional<VoiWindow> window;
   Interpolation interpolation = Interpolation::Linear;
   Camera camera;  // zoom, pan; height_mm when it is to differ from the preset's

@@ -2,6 +2,7 @@
 // Scene: what is to be seen. Plain data, JSON on disk (SceneJson.h). The same Scene drives window, command
 // line, goldens and benchmarks. Positions in patient mm (LPS).
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "vernier/base/HalfSpace.h"
 #include "vernier/volume/Mesh.h"
 #include "vernier/volume/Sampling.h"
+#include "vernier/volume/TransferFunction.h"
 #include "vernier/volume/Voi.h"
 
 namespace vernier {
@@ -148,6 +150,67 @@ struct ShellsLayer {
   friend bool operator==(const ShellsLayer&, const ShellsLayer&) = default;
 };
 
+// How a lit point looks: n the field's gradient turned to the viewer (of length 0: no diffuse, no specular
+// part), l to a light, v to the eye, h halfway between the two, all unit, in the patient:
+//   I = ambient * own + sum over lights of light * (diffuse * own * max(0, n.l) + specular * max(0,
+//   n.h)^power),
+// clamped to 0..1; `own` is the point's colour. ambientColour and diffuseColour stand in its place where the
+// point has none. Rezk-Salama 2000, equation 6, with its coloured lights; the specular part is ours.
+struct Material {
+  double ambient = 0.2, diffuse = 0.7, specular = 0.3, power = 20;
+  Rgb ambientColour{1, 1, 1}, diffuseColour{1, 1, 1};
+  friend bool operator==(const Material&, const Material&) = default;
+};
+
+// The gradient that all shading means: along each voxel axis half the difference of the field at one voxel
+// further and one voxel back (positions clamped to the box of voxel centres; where there is no data the
+// field's value at the point itself), per mm in the patient. It is the trilinear interpolation of central
+// differences.
+
+// A look through a volume by a transfer function (Blend), or at one extreme of it.
+//   Blend: emission and absorption, front to back: C = integral of tau c exp(-integral of tau), tau of the
+//     transfer function's opacity; the scene's background behind it.
+//   Max, Min: the greatest or least value on the ray, with its colour at its opacity over the background.
+//     Of colour volumes: the greatest or least of each channel times its gain, without the background.
+// Colour volumes (red, green, blue, alpha) have no transfer function: gains multiply the channels, the
+// results are clamped to 0..1, and alpha is an opacity per smallest voxel spacing.
+enum class VolumeMode { Blend, Max, Min };
+// Post: the value is interpolated, then looked up. Pre: voxels are looked up, then colour times opacity and
+// opacity are interpolated. PreIntegrated: the transfer function is integrated between the values at both
+// ends of a step. Absent: the planner takes PreIntegrated where the function is steeper than the step.
+enum class Classification { Post, Pre, PreIntegrated };
+enum class OpacityRule { Exact, Linear };  // Linear: opacity times length, the papers' approximation
+// GlobalAmbient: the paper's variant A, one ambient and one diffuse colour for all values. ColourPerVoxel:
+// variant B, the colour of the transfer function.
+enum class ShadingModel { None, GlobalAmbient, ColourPerVoxel };
+
+struct VolumeLayer {
+  std::string source;
+  VolumeMode mode = VolumeMode::Blend;
+  std::string preset;                        // name of a transfer function; "": defaultTransferPreset
+  std::optional<TransferFunction> transfer;  // wins over the name
+  std::array<double, 4> gains{1, 1, 1, 1};   // red, green, blue, alpha of colour volumes
+  std::optional<Classification> classification;
+  OpacityRule opacity = OpacityRule::Exact;
+  Interpolation interpolation = Interpolation::Linear;  // nearest or linear
+  ShadingModel shading = ShadingModel::None;
+  Material material;
+  std::string combiner;   // a shading mode by its file's name; "": what `shading` says
+  bool outlines = false;  // slabs and slices that a technique draws are outlined too
+  friend bool operator==(const VolumeLayer&, const VolumeLayer&) = default;
+};
+
+// The first point of each ray where the trilinear field reaches the level, lit, with the material's own
+// colours. A ray that begins inside (at the box, a cut, or the near distance) shows it there, as a face
+// turned to the eye.
+struct IsosurfaceLayer {
+  std::string source;
+  std::optional<double> level;  // modality value; absent: defaultIsoLevel
+  Material material{0.2, 0.7, 0.3, 20, {1, 0.85, 0.7}, {1, 0.85, 0.7}};
+  std::string combiner;
+  friend bool operator==(const IsosurfaceLayer&, const IsosurfaceLayer&) = default;
+};
+
 // A layer of a kind that this build does not know itself, or of a plugin: kept verbatim.
 struct CustomLayer {
   std::string kind;
@@ -157,9 +220,14 @@ struct CustomLayer {
 };
 
 using Layer = std::variant<ImageLayer, SliceLayer, CurvedLayer, SurfaceLayer, ProjectionLayer, ShellsLayer,
-                           CustomLayer>;
-// "image", "slice", "curved", "surface", "projection", "shells", or the custom kind
+                           VolumeLayer, IsosurfaceLayer, CustomLayer>;
+// "image", "slice", "curved", "surface", "projection", "shells", "volume", "isosurface", or the custom kind
 VERNIER_API std::string kindOf(const Layer&);
+// Projection, shells, volume and isosurface: rays through the whole of a volume, with surfaces as tools in
+// it.
+VERNIER_API bool looksThroughVolume(const Layer&);
+// The volume that a layer of this build's own kinds reads; null: none (stored frames, surfaces, custom).
+VERNIER_API const std::string* volumeOf(const Layer&);
 
 // SceneInvalid when a pose is not finite or flattens the surface (determinant 0).
 VERNIER_API Result<void> checkPose(const PatientFromMesh&);
@@ -170,10 +238,19 @@ struct CropBox {
   friend bool operator==(const CropBox&, const CropBox&) = default;
 };
 
+// A light far away. `towards` it, in the patient, of any length but 0; absent: it stands where the eye is.
+struct Light {
+  std::optional<PatientVec> towards;
+  Rgb colour{1, 1, 1};
+  friend bool operator==(const Light&, const Light&) = default;
+};
+inline constexpr std::size_t kMostLights = 4;
+
 struct Scene {
   Camera camera;
-  Rgb background;  // display-referred 0..1
-  // Of the layers that look through a volume (projection, shells); surfaces and slices are not cut.
+  Rgb background;             // display-referred 0..1
+  std::vector<Light> lights;  // of shaded volumes and iso-surfaces; none: a white one at the eye
+  // Of the layers that look through a volume; surfaces and slices are not cut.
   std::optional<CropBox> crop;
   std::vector<HalfSpace> clip;  // what is kept lies inside all of them
   std::vector<Layer> layers;

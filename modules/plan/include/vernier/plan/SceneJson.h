@@ -29,6 +29,11 @@ VERNIER_API Result<Scene> parseScene(std::string_view json);
 // above.
 VERNIER_API Result<std::vector<PatientPoint>> parsePath(std::string_view json);
 
+// A transfer function, alone in a file: an object of `colours` (lists of value, red, green, blue),
+// `opacities` (lists of value, opacity) and `opacity_length_mm`. SceneInvalid as above.
+VERNIER_API std::string writeTransfer(const TransferFunction&);
+VERNIER_API Result<TransferFunction> parseTransfer(std::string_view json);
+
 // A layer object of a plugin's own kind, checked and brought into canonical text (no space outside strings).
 // SceneInvalid when it is no object with a `kind` that is a name, or of a kind that this build knows itself.
 VERNIER_API Result<CustomLayer> customLayer(std::string_view json);
