@@ -198,7 +198,7 @@ class ShellTruth {
              (job_.beta0 + job_.betaM * (job_.a * z + job_.b));
     };
     if (job_.mode == ShellsMode::Lit) {
-      if (!shells.empty()) backdrop = job_.colour * std::min(1.0, 0.2 + 0.8 * shells[0].cosine);
+      if (!shells.empty()) backdrop = job_.colour * std::min(1.0, 0.2 + 0.8 * litCosine(shells[0], x, y));
       return own + through * backdrop;
     }
     double most = 0, sum = 0;
@@ -208,6 +208,42 @@ class ShellTruth {
     const glm::dvec3 floor = through * job_.colour * job_.beta0 * job_.phi0;
     if (opaque) return own + (shells.empty() ? through * backdrop : job_.colour * most);
     return own + glm::max(floor, shells.empty() ? through * backdrop : job_.colour * most);
+  }
+
+  // Of a lit shell: by the field's gradient where the ray passes the level next to the mesh, found by small
+  // steps; the triangle's own where it does not pass it within 1.5 voxels.
+  double litCosine(const Hit& hit, double x, double y) const {
+    if (hit.cap) return hit.cosine;
+    const PatientRay ray = job_.camera.ray(x, y);
+    const double level = job_.shells[static_cast<std::size_t>(hit.of)].level;
+    const glm::dmat3 toVoxel = job_.volume->voxelFromPatient().linear;
+    const glm::dvec3 perMm = glm::abs(toVoxel * ray.direction.v);
+    const double voxel = 1 / std::max({perMm.x, perMm.y, perMm.z}), step = voxel / 128;
+    const auto value = [&](double t) {
+      return sampleModality(*job_.volume, ray.at(t)).value_or(NAN) - level;
+    };
+    for (std::size_t n = 0; n < 6; ++n)  // flat where the volume ends inside of a shell
+      if (job_.kept[n].distance_mm(ray.at(hit.t_mm)) > -1e-3 && value(hit.t_mm) >= 0) return hit.cosine;
+    for (int n = 0; n < 192; ++n)
+      for (const double side : {-1.0, 1.0}) {
+        double from = hit.t_mm + side * n * step, to = from + side * step, f = value(from);
+        if (const double g = value(to); !((f < 0 && g >= 0) || (f >= 0 && g < 0))) continue;
+        for (int halves = 0; halves < 50; ++halves) {
+          const double middle = 0.5 * (from + to), g = value(middle);
+          ((g < 0) == (f < 0) ? from : to) = middle;
+        }
+        const PatientPoint at = ray.at(from);
+        glm::dvec3 slope(0);
+        for (int axis = 0; axis < 3; ++axis) {
+          glm::dvec3 off(0);
+          off[axis] = 1e-6;
+          const PatientVec d(glm::inverse(toVoxel) * off);
+          slope[axis] = *sampleModality(*job_.volume, at + d) - *sampleModality(*job_.volume, at - d);
+        }
+        const glm::dvec3 normal = glm::normalize(glm::transpose(toVoxel) * slope);
+        return std::abs(glm::dot(normal, ray.direction.v));
+      }
+    return hit.cosine;
   }
 
  private:
