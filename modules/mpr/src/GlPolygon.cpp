@@ -17,29 +17,6 @@ constexpr int kMostSamples = 4096;
 constexpr std::array<int, 4> kVertexLayout{2, 1, 2, 2};
 constexpr Margin kMargin{1.0 / 16.0, 1e-5};
 
-Result<std::shared_ptr<const gpu::Texture>> volumeTexture(gpu::Device& device, const Volume& volume,
-                                                          const TexelCode& code, std::stop_token stop) {
-  const GridGeometry& g = volume.grid();
-  if (code.bytes(g) > device.cache().limit())
-    return makeError(ErrorCode::OutOfMemory, "The volume needs " + std::to_string(code.bytes(g) >> 20) +
-                                                 " MB as a texture and GL may hold " +
-                                                 std::to_string(device.cache().limit() >> 20) + " MB.");
-  const char* kind = code.format == gpu::Format::R16 ? "volume r16" : "volume r32f";
-  return device.cache().get({kind, volume.revision(), 0}, [&]() -> Result<gpu::Texture> {
-    Result<gpu::Texture> t = device.texture3d(code.format, static_cast<int>(g.columns),
-                                              static_cast<int>(g.rows), static_cast<int>(g.slices));
-    if (!t) return t;
-    std::vector<std::byte> scratch;
-    for (std::int64_t k = 0; k < g.slices; ++k) {
-      if (stop.stop_requested()) return cancelled();
-      Result<void> r =
-          device.uploadSlices(*t, static_cast<int>(k), 1, slicedTexels(volume, code, k, scratch));
-      if (!r) return r.error();
-    }
-    return t;
-  });
-}
-
 // A slab's polygon is that of the union of its samples: the picture, cut only where one sample alone is
 // drawn.
 Outline outlineOf(const SliceParams& p) {
@@ -65,7 +42,7 @@ Result<void> drawPolygon(gpu::Device& device, const SliceParams& p, const TexelC
                                 shaderOf(fixed ? "#define DEEPER\n#define FIXED\n" : "#define DEEPER\n",
                                          {"position.glsl", "value.glsl", "polygon.frag.glsl"}));
   if (!program) return program.error();
-  auto texture = volumeTexture(device, *p.volume, code, stop);
+  auto texture = gpu::volumeTexture(device, *p.volume, code, 0, p.volume->grid().slices, stop);
   if (!texture) return texture.error();
   Result<gpu::VertexData> vertices = device.vertices(vertexFloats(outline), kVertexLayout);
   if (!vertices) return vertices.error();
@@ -117,7 +94,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   if (!params) return params.error();
   const SliceParams& p = **params;
   if (Result<void> r = checkDrawable(p, context.capabilities); !r) return r.error();
-  const Result<TexelCode> code = texelCode(*p.volume);
+  const Result<TexelCode> code = gpu::texelCode(*p.volume);
   if (!code) return code.error();
   if (std::string why = refusal(*p.volume, *code, context.capabilities); !why.empty())
     return makeError(ErrorCode::NoTechnique, std::move(why));
@@ -125,7 +102,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
     return makeError(ErrorCode::NoTechnique, "The slab needs " + std::to_string(p.slabSamples) +
                                                  " samples per pixel; GL here takes up to 4096.");
   const bool fixed =
-      context.quality.level == QualityLevel::Draft && mayUseFixedFunction(*p.volume, p.interpolation);
+      context.quality.level == QualityLevel::Draft && gpu::mayUseFixedFunction(*p.volume, p.interpolation);
 
   Pass pass;
   pass.name = "slice " + std::to_string(index);
@@ -147,7 +124,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
 Result<void> execute(Host& host, const Pass& pass, Images& images, std::stop_token stop) {
   const auto* p = dynamic_cast<const SliceParams*>(pass.params.get());
   if (!p) return makeError(ErrorCode::Internal, "The pass has no slice parameters.", "mpr.polygon");
-  const Result<TexelCode> code = texelCode(*p->volume);
+  const Result<TexelCode> code = gpu::texelCode(*p->volume);
   if (!code) return code.error();
   Result<gpu::Device*> device = host.glDevice();
   if (!device) return device.error();

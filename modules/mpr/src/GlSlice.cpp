@@ -124,6 +124,12 @@ glm::vec2 wholeAndPart(double v) {
   return {static_cast<float>(whole), static_cast<float>(v - whole)};
 }
 
+// 2^k with range / 2^k <= 4096: 4096 sums of 12-bit multiples stay within a float's 24 bits.
+float meanQuantum(const TexelCode& code) {
+  return code.modalityRange > 0 ? static_cast<float>(std::exp2(std::ceil(std::log2(code.modalityRange)) - 12))
+                                : 1.0f;
+}
+
 Result<gpu::Target> accumulationTarget(gpu::Device& device, const SliceParams& p) {
   const std::array formats{gpu::Format::Rgba32F};
   Result<gpu::Target> target = device.target(p.view.width_px, p.view.height_px, formats);

@@ -9,7 +9,7 @@
 
 #include "SliceParams.h"
 #include "StripGeometry.h"
-#include "vernier/gpu/Device.h"
+#include "vernier/gpu/VolumeTexels.h"
 
 namespace vernier::mpr {
 
@@ -19,23 +19,7 @@ std::string shaderOf(std::string_view defines, std::initializer_list<std::string
 
 VoxelPlane voxelPlane(const SliceParams&, int slabSample);
 
-// 8 and 16-bit voxels are R16 textures (on software renderers R8 is slower and filters in 8 bits); 32-bit
-// integers and floats are R32F, counted from the least value, NaN and padding as a number far outside.
-struct TexelCode {
-  gpu::Format format = gpu::Format::R16;
-  float scale = 65535.0f, bias = 0.0f;  // value = texel * scale - bias
-  double storedBias = 0;                // the stored value that becomes 0
-  double modalityAtBias = 0, slope = 1;
-  double modalityRange = 0;
-  float noDataFirst = 3.2e38f, noDataLast = 3.3e38f;  // none
-  std::uint64_t bytes(const GridGeometry& g) const;   // of the whole volume as textures
-};
-// An Error says why GL textures cannot hold these voxels exactly.
-Result<TexelCode> texelCode(const Volume&);
-// One slice as texels; `scratch` may hold them.
-std::span<const std::byte> slicedTexels(const Volume&, const TexelCode&, std::int64_t slice,
-                                        std::vector<std::byte>& scratch);
-bool mayUseFixedFunction(const Volume&, Interpolation);  // 8-bit weights; no padding, no shifted slices
+using gpu::TexelCode;
 
 // Why GL cannot draw this slice at all: picture or coordinates beyond what its numbers hold.
 Result<void> checkDrawable(const SliceParams&, const Capabilities&);

@@ -67,16 +67,6 @@ std::vector<float> vertexFloats(const std::vector<Strip>& strips, const GridGeom
   return out;
 }
 
-Result<std::shared_ptr<const gpu::Texture>> sliceTexture(gpu::Device& device, const Volume& volume,
-                                                         const TexelCode& code, std::int64_t slice,
-                                                         std::vector<std::byte>& scratch) {
-  const char* kind = code.format == gpu::Format::R16 ? "slice r16" : "slice r32f";
-  return device.cache().get({kind, volume.revision(), slice}, [&] {
-    return device.texture2d(code.format, static_cast<int>(volume.grid().columns),
-                            static_cast<int>(volume.grid().rows), slicedTexels(volume, code, slice, scratch));
-  });
-}
-
 void addStripUniforms(std::vector<gpu::Uniform>& u, const SliceParams& p, const Strip& s) {
   const GridGeometry& g = p.volume->grid();
   const glm::dvec2 shift0 = shiftOf(g, s.part.first), shift1 = shiftOf(g, s.part.second);
@@ -143,7 +133,7 @@ class StripPainter {
       const Strip& s = strips[n];
       for (const std::int64_t slice : {s.part.first, s.part.second})
         if (!textures.contains(slice)) {
-          auto t = sliceTexture(device_, *p_.volume, code_, slice, scratch_);
+          auto t = gpu::planeTexture(device_, *p_.volume, code_, 2, slice);
           if (!t) return t.error();
           textures[slice] = *t;
         }
@@ -175,7 +165,6 @@ class StripPainter {
   const TexelCode& code_;
   bool fixed_;
   std::shared_ptr<const gpu::Program> program_;
-  std::vector<std::byte> scratch_;
 };
 
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
@@ -183,7 +172,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   if (!params) return params.error();
   const SliceParams& p = **params;
   if (Result<void> r = checkDrawable(p, context.capabilities); !r) return r.error();
-  const Result<TexelCode> code = texelCode(*p.volume);
+  const Result<TexelCode> code = gpu::texelCode(*p.volume);
   if (!code) return code.error();
   const GridGeometry& g = p.volume->grid();
   const std::int64_t limit = context.capabilities.maxTexture > 0 ? context.capabilities.maxTexture : 16384;
@@ -192,7 +181,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
                                                  std::to_string(g.rows) + "; GL textures here take up to " +
                                                  std::to_string(limit) + " per side.");
   const bool fixed =
-      context.quality.level == QualityLevel::Draft && mayUseFixedFunction(*p.volume, p.interpolation);
+      context.quality.level == QualityLevel::Draft && gpu::mayUseFixedFunction(*p.volume, p.interpolation);
   const std::vector<Strip> strips = allStrips(p, fixed ? Margin{} : kMargin);
   if (strips.size() > kMostStrips)
     return makeError(ErrorCode::NoTechnique,
@@ -222,7 +211,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
 Result<void> execute(Host& host, const Pass& pass, Images& images, std::stop_token stop) {
   const auto* p = dynamic_cast<const SliceParams*>(pass.params.get());
   if (!p) return makeError(ErrorCode::Internal, "The pass has no slice parameters.", "mpr.strips");
-  const Result<TexelCode> code = texelCode(*p->volume);
+  const Result<TexelCode> code = gpu::texelCode(*p->volume);
   if (!code) return code.error();
   Result<gpu::Device*> device = host.glDevice();
   if (!device) return device.error();
