@@ -2,4 +2,8 @@
 #pragma once
 #include "vernier/plan/Technique.h"
 
-namespace vernier::dvr {}
+namespace vernier::dvr {
+
+Technique glRaysTechnique(Host&);  // GlRays.cpp
+
+}  // namespace vernier::dvr

@@ -4,6 +4,10 @@
 
 namespace vernier::dvr {
 
-Result<void> registerDvr(Host&) { return {}; }
+Result<void> registerDvr(Host& host) {
+  for (Technique (*make)(Host&) : {glRaysTechnique})
+    if (Result<void> added = host.addTechnique(make(host)); !added) return added;
+  return {};
+}
 
 }  // namespace vernier::dvr
