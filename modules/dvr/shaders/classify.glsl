@@ -27,7 +27,7 @@ vec4 integrated(float front, float back) {
 
 // 1 - (1 - a)^t. Software renderers have powers of 16 bits: small opacities go by their binomial series.
 float opacityOver(float a, float t) {
-  if (t == 1.0) return a;
+  if (abs(t - 1.0) < 1.0e-6) return a;
   if (a >= 1.0) return t > 0.0 ? 1.0 : 0.0;
   if (a * max(t, 1.0) > 0.2) return 1.0 - pow(1.0 - a, t);
   float term = t * a;

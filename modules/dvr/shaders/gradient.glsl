@@ -1,6 +1,5 @@
 // Central differences of the trilinear field, on the fly (plan/Scene.h), in the patient.
 uniform mat4 gradientToPatient;
-uniform float flat_perMm;  // less than this comes from rounding
 
 float besides(vec3 p, float own) {
   vec2 v = fieldAt(clamp(p, vec3(0.0), last_vox));

@@ -12,6 +12,8 @@ vec3 towardsEye() {
   return -normalize(forward_mm.xyz + q.x * right_mm.xyz + q.y * down_mm.xyz);
 }
 
+uniform float flat_perMm;     // gradients below this come from rounding
+
 // n of length 0: no direction.
 vec3 lit(vec3 ambientOwn, vec3 diffuseOwn, vec3 n, vec3 eye) {
   vec3 sum = material.x * ambientOwn;

@@ -6,4 +6,10 @@ namespace vernier::dvr {
 
 Technique glRaysTechnique(Host&);  // GlRays.cpp
 
+// GlStacks.cpp
+Technique glStacksTechnique(Host&);
+Technique glStacks2Technique(Host&);
+Technique glStacks4Technique(Host&);
+Technique glUncorrectedStacksTechnique(Host&);
+
 }  // namespace vernier::dvr

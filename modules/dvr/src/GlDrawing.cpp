@@ -37,9 +37,7 @@ void addValues(std::vector<gpu::Uniform>& u, const GlVolumeJob& job) {
   u.push_back({"noDataFirst", code.noDataFirst});
   u.push_back({"noDataLast", code.noDataLast});
   u.push_back({"gains", glm::vec4(glm::dvec4(job.gains[0], job.gains[1], job.gains[2], job.gains[3]))});
-  u.push_back({"sign_", job.iso ? (code.slope < 0 ? -1.0f : 1.0f)
-                                : (job.mode == VolumeMode::Min ? -1.0f : 1.0f) *
-                                      (!job.volume->isColour() && code.slope < 0 ? -1.0f : 1.0f)});
+  u.push_back({"sign_", signOfExtreme(job)});
   u.push_back({"level", static_cast<float>((job.level - code.modalityAtBias) / code.slope)});
 }
 
@@ -100,6 +98,11 @@ std::string shaderOf(const std::string& defines, std::initializer_list<std::stri
 }
 
 Error drawingCancelled() { return makeError(ErrorCode::Cancelled, "Drawing the volume was cancelled."); }
+
+float signOfExtreme(const GlVolumeJob& job) {
+  const bool falls = !job.volume->isColour() && job.code.slope < 0;
+  return falls != (!job.iso && job.mode == VolumeMode::Min) ? -1.0f : 1.0f;
+}
 
 Result<GlInputs> GlInputs::make(gpu::Device& device, const GlVolumeJob& job, double table_mm) {
   GlInputs in;

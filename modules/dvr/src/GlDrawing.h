@@ -52,6 +52,9 @@ struct RayTextures {
   void addTo(gpu::Draw&) const;
 };
 
+// 1 where the greatest texel value is wanted, of extremes and of levels to be reached; -1 where the least.
+float signOfExtreme(const GlVolumeJob&);
+
 // Four vertices that cover the picture, as a strip.
 Result<gpu::VertexData> wholePicture(gpu::Device&, const GlVolumeJob&);
 Result<DrawnPart> readBack(gpu::Device&, const gpu::Target&);
@@ -62,6 +65,7 @@ class PictureMaker {
   PictureMaker(const GlVolumeJob&, const RayParts&);
   void take(std::size_t n, const RayImages&, const DrawnPart&);
   const std::vector<float>& through() const { return through_; }
+  void addSamples(std::uint64_t n) { samples_ += n; }
   void finish(Images&);
 
  private:

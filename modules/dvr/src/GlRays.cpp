@@ -95,8 +95,9 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   if (Result<void> r = checkPicture(job, context.capabilities); !r) return r.error();
   if (Result<void> r = checkWhole3dTexture(job, context.capabilities); !r) return r.error();
   if (job.extreme() && hasTranslucentTools(job))
-    return makeError(ErrorCode::NoTechnique,
-                     "A tool that is translucent among the extremes of a volume is not drawn on GL; make it opaque.");
+    return makeError(
+        ErrorCode::NoTechnique,
+        "A tool that is translucent among the extremes of a volume is not drawn on GL; make it opaque.");
   if (!job.combiner.empty())
     return makeError(ErrorCode::NoTechnique, "Combiners shade slices, not rays; ask for stacks.");
   const GridGeometry& g = job.volume->grid();

@@ -76,6 +76,7 @@ std::string GlVolumeJob::dump() const {
   if (region.size() > 6) s += ", cut by " + std::to_string(region.size() - 6) + " planes";
   if (!tools.empty()) s += ", tools " + std::to_string(tools.size());
   if (outlines) s += ", outlines";
+  if (!summary.empty()) s += "; " + summary;
   return s;
 }
 

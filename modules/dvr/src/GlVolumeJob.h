@@ -36,6 +36,7 @@ struct GlVolumeJob final : PassParams {
   std::string combiner;
   bool outlines = false;
   bool fixedFunction = false;  // the card's filter instead of float interpolation
+  std::string summary;         // what the technique says of its way, for the dump
 
   bool shaded() const { return iso || shading != ShadingModel::None; }
   bool extreme() const { return !iso && mode != VolumeMode::Blend; }

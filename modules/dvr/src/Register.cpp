@@ -5,7 +5,8 @@
 namespace vernier::dvr {
 
 Result<void> registerDvr(Host& host) {
-  for (Technique (*make)(Host&) : {glRaysTechnique})
+  for (Technique (*make)(Host&) : {glRaysTechnique, glStacksTechnique, glStacks2Technique, glStacks4Technique,
+                                   glUncorrectedStacksTechnique})
     if (Result<void> added = host.addTechnique(make(host)); !added) return added;
   return {};
 }

@@ -78,7 +78,9 @@ class DvrHost final : public Host {
 
  private:
   DvrHost() {
-    EXPECT_TRUE(addTechnique(dvr::glRaysTechnique(*this)).ok());
+    for (Technique (*make)(Host&) : {dvr::glRaysTechnique, dvr::glStacksTechnique, dvr::glStacks2Technique,
+                                     dvr::glStacks4Technique, dvr::glUncorrectedStacksTechnique})
+      EXPECT_TRUE(addTechnique(make(*this)).ok());
     Technique surfaces;  // only says that somebody here draws tools
     surfaces.name = "surface.test", surfaces.kinds = {"surface"};
     surfaces.passesFor = [](const Layer&, std::size_t, const PlanContext&) -> Result<std::vector<Pass>> {
@@ -347,6 +349,82 @@ class DvrTruth {
     }
     if (at_mm) *at_mm = end;
     return t.own(end) + t.through(end) * behind;
+  }
+
+  // A stack's own slices: each stands for the slab around it, sampled where the ray meets it, at the box's
+  // border at the most; with the opacity of the way through its slab.
+  struct StackSample {
+    double at_mm = 0, length_mm = 0;  // along the ray; of the slab, inside the span
+    glm::dvec3 voxel{0};
+    bool met = false;  // the slice itself lies inside the span
+  };
+  std::vector<StackSample> stackSamples(double x, double y, const RaySpan& s, int axis, int perVoxel) const {
+    const GridGeometry& g = volume_.grid();
+    const glm::dvec3 last(g.columns - 1, g.rows - 1, g.slices - 1);
+    const glm::dvec3 from = voxelAt(x, y, 0), along = voxelAt(x, y, 1) - from;
+    glm::dvec2 box(-1e30, 1e30);
+    for (int n = 0; n < 3; ++n) {
+      const double a = -from[n] / along[n], b = (last[n] - from[n]) / along[n];
+      box = {std::max(box.x, std::min(a, b)), std::min(box.y, std::max(a, b))};
+    }
+    std::vector<StackSample> out;
+    const int count = static_cast<int>(last[axis]) * perVoxel;
+    for (int n = 0; n <= count; ++n) {
+      const double place = static_cast<double>(along[axis] > 0 ? n : count - n) / perVoxel;
+      const double middle = (place - from[axis]) / along[axis],
+                   reach = 0.5 / perVoxel / std::abs(along[axis]);
+      StackSample sample;
+      sample.length_mm = std::min(s.exit_mm, middle + reach) - std::max(s.entry_mm, middle - reach);
+      sample.at_mm = std::clamp(middle, box.x, box.y);
+      sample.voxel = from + sample.at_mm * along;
+      sample.voxel[axis] = place;
+      sample.met = middle >= s.entry_mm && middle <= s.exit_mm;
+      if (sample.length_mm > 0) out.push_back(sample);
+    }
+    return out;
+  }
+  glm::dvec3 stack(double x, double y, int axis, int perVoxel) const {
+    const RaySpan s = span(x, y);
+    const native::ToolsOnRay t = tools(x, y);
+    const glm::dvec3 behind = t.ends() ? t.endColour : rgb(case_.scene.background);
+    if (s.empty()) return behind;
+    glm::dvec3 colour(0);
+    double left = 1;
+    for (const StackSample& n : stackSamples(x, y, s, axis, perVoxel)) {
+      const glm::dvec4 c = sampleAtVoxel(n.voxel, -camera_.ray(x, y).direction.v, n.length_mm);
+      colour += left * c.w * glm::dvec3(c);
+      left *= 1 - c.w;
+    }
+    return colour + left * behind;
+  }
+  // The nearest slice at which the level is reached.
+  glm::dvec3 stackIso(double x, double y, int axis, int perVoxel) const {
+    const RaySpan s = span(x, y);
+    const native::ToolsOnRay t = tools(x, y);
+    const glm::dvec3 behind = t.ends() ? t.endColour : rgb(case_.scene.background);
+    const Material& m = iso_.material;
+    if (s.empty()) return behind;
+    for (const StackSample& n : stackSamples(x, y, s, axis, perVoxel)) {
+      const std::optional<double> v = field(n.voxel);
+      if (!n.met || !v || *v < *iso_.level) continue;
+      return lit(m, rgb(m.ambientColour), rgb(m.diffuseColour), gradient(n.voxel, *v),
+                 -camera_.ray(x, y).direction.v);
+    }
+    return behind;
+  }
+  glm::dvec3 stackExtreme(double x, double y, int axis, int perVoxel) const {
+    const RaySpan s = span(x, y);
+    const native::ToolsOnRay t = tools(x, y);
+    const glm::dvec3 behind = t.ends() ? t.endColour : rgb(case_.scene.background);
+    const double sign = layer_.mode == VolumeMode::Min ? -1 : 1;
+    std::optional<double> best;
+    if (!s.empty())
+      for (const StackSample& n : stackSamples(x, y, s, axis, perVoxel))
+        if (const std::optional<double> v = field(n.voxel); n.met && v && (!best || sign * *v > sign * *best))
+          best = v;
+    if (!best) return behind;
+    const double a = opacityAt(*layer_.transfer, *best);
+    return a * colourAt(*layer_.transfer, *best) + (1 - a) * behind;
   }
 
   static glm::dvec3 rgb(Rgb c) { return {c.r, c.g, c.b}; }

@@ -85,6 +85,43 @@ TEST_F(GlVolumePlan, RaysRefuseWhatA3dTextureCannotHold) {
   EXPECT_THAT(refused("dvr.rays"), HasSubstr("2000"));
 }
 
+TEST_F(GlVolumePlan, StacksStateTheirOneStack) {
+  const auto passes = ask("dvr.stacks");
+  ASSERT_TRUE(passes.ok()) << passes.error().text();
+  const Pass& pass = passes->front();
+  EXPECT_EQ(pass.resources.at(0).name, "texture2d x 28");
+  EXPECT_EQ(pass.resources.at(0).bytes, 30u * 28 * 22 * 2);
+  EXPECT_EQ(pass.params->dump(),
+            "blend, orthographic, step 0.8 mm, post; stack across y x1, 1 slice per polygon");
+  EXPECT_EQ(pass.gl.blend, "remaining");
+  c.quality.step = 0.25;
+  EXPECT_THAT(ask("dvr.stacks2")->front().params->dump(),
+              HasSubstr("stack across y x4, 2 slices per polygon"));
+  EXPECT_THAT(ask("dvr.stacks2-uncorrected")->front().params->dump(), HasSubstr(", uncorrected"));
+  EXPECT_GT(ask("dvr.stacks2-uncorrected")->front().predictedError, 30);
+  EXPECT_LT(ask("dvr.stacks2")->front().predicted_ms, ask("dvr.stacks")->front().predicted_ms);
+  c.layer().shading = ShadingModel::ColourPerVoxel;
+  EXPECT_EQ(ask("dvr.stacks")->front().resources.at(0).bytes, 30u * 28 * 22 * 16);
+  EXPECT_TRUE(ask("dvr.stacks")->front().notes.empty());
+  machine.glTextureBudget_bytes = 100000;
+  EXPECT_THAT(ask("dvr.stacks")->front().notes.at(0), HasSubstr("uploaded anew"));
+}
+
+TEST_F(GlVolumePlan, StacksRefuseWhatTheyCannotDraw) {
+  show(flat(unitGrid(1100, 2, 2)));
+  EXPECT_THAT(refused("dvr.stacks"), HasSubstr("1100 voxels on a side; GL textures here take up to 1024"));
+  show(flat(everyGrid()[5].grid));
+  EXPECT_THAT(refused("dvr.stacks"), HasSubstr("gaps"));
+  show(bumpyVolume());
+  c.layer().classification = Classification::PreIntegrated;
+  EXPECT_THAT(refused("dvr.stacks"), HasSubstr("Pre-integrated"));
+  c.layer().classification.reset();
+  c.layer().mode = VolumeMode::Max;
+  EXPECT_THAT(refused("dvr.stacks2-uncorrected"), HasSubstr("compared"));
+  c.addTool(0, 3, 0.5);
+  EXPECT_THAT(refused("dvr.stacks"), HasSubstr("translucent"));
+}
+
 TEST_F(GlVolumePlan, WhatHasNoInsideOrNoMeaningIsRefused) {
   show(flat(unitGrid(5, 5, 1)));
   EXPECT_THAT(refused("dvr.rays"), HasSubstr("single slice"));
