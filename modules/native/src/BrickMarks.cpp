@@ -10,9 +10,9 @@
 namespace vernier::native {
 namespace {
 
-constexpr int kBand = 4;           // rows of packets that one thread marks at a time
-constexpr double kBin_vox = 2;     // about as long as a bin should be, in smallest spacings
-constexpr double kSlack = 1e-4;    // pixels and steps: far more than positions are rounded by
+constexpr int kBand = 4;         // rows of packets that one thread marks at a time
+constexpr double kBin_vox = 2;   // about as long as a bin should be, in smallest spacings
+constexpr double kSlack = 1e-4;  // pixels and steps: far more than positions are rounded by
 constexpr int kMostBins = 64 * 16;
 
 }  // namespace
@@ -57,7 +57,8 @@ class BrickMarks::Projector {
   }
   Extent of(const BrickBox& b) const {
     const glm::dvec3 low(b.x, b.y, b.z);
-    return of(glm::min(low * double{kFineEdge}, last_), glm::min((low + double(b.edge)) * double{kFineEdge}, last_));
+    return of(glm::min(low * double{kFineEdge}, last_),
+              glm::min((low + double(b.edge)) * double{kFineEdge}, last_));
   }
   Extent whole() const { return of(glm::dvec3(0), last_); }
 
@@ -75,7 +76,8 @@ class BrickMarks::Projector {
     const double far = c.z + r.z, near = c.z - r.z;
     if (far <= 0) return {};
     const glm::dvec3 most = glm::abs(c) + r, least = glm::max(glm::abs(c) - r, 0.0);
-    Extent e{0, double(camera_.width_px), 0, double(camera_.height_px), glm::length(least), glm::length(most)};
+    Extent e{
+        0, double(camera_.width_px), 0, double(camera_.height_px), glm::length(least), glm::length(most)};
     if (near <= 1e-3 * far) return e;  // the eye is in it or beside it
     const auto pixels = [&](double low, double high, double& p0, double& p1) {
       p0 = low / (camera_.pixelStep * (low < 0 ? near : far));
@@ -146,14 +148,17 @@ void BrickMarks::mark(const std::vector<BrickBox>& boxes, const Projector& proje
       f = {std::max(packet(std::ceil(e.x0 - 0.5 - kSlack) + 0.5, 0, across_), 0),
            std::min(packet(e.x1, kSlack, across_), across_ - 1),
            std::max(packet(std::ceil(e.y0 - 0.5 - kSlack) + 0.5, 0, down_), 0),
-           std::min(packet(e.y1, kSlack, down_), down_ - 1), bin(e.t0, -kSlack), bin(e.t1, kSlack)};
+           std::min(packet(e.y1, kSlack, down_), down_ - 1),
+           bin(e.t0, -kSlack),
+           bin(e.t1, kSlack)};
     }
   });
   const int bands = (down_ + kBand - 1) / kBand;
   std::vector<std::vector<std::uint32_t>> ofBand(static_cast<std::size_t>(bands));
   for (std::uint32_t n = 0; n < prints.size(); ++n)
     if (prints[n].x0 <= prints[n].x1 && prints[n].y0 <= prints[n].y1)
-      for (int b = prints[n].y0 / kBand; b <= prints[n].y1 / kBand; ++b) ofBand[static_cast<std::size_t>(b)].push_back(n);
+      for (int b = prints[n].y0 / kBand; b <= prints[n].y1 / kBand; ++b)
+        ofBand[static_cast<std::size_t>(b)].push_back(n);
   parallelFor(static_cast<std::size_t>(bands), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b)
       for (const std::uint32_t n : ofBand[b])

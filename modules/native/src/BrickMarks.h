@@ -34,8 +34,8 @@ class BrickMarks {
 
  private:
   struct Footprint {
-    std::int32_t x0, x1, y0, y1;    // packets, both ends in
-    std::int32_t bin0, bin1;        // both ends in
+    std::int32_t x0, x1, y0, y1;  // packets, both ends in
+    std::int32_t bin0, bin1;      // both ends in
   };
   class Projector;
   std::size_t at(int x, int y) const {

@@ -24,7 +24,8 @@ struct Lighting {
   Lighting(const Material& m, const std::vector<Light>& lights) : material(m) {
     if (lights.empty()) lamps.push_back({});
     for (const Light& l : lights)
-      lamps.push_back({l.towards ? std::optional(glm::normalize(l.towards->v)) : std::nullopt, colourOf(l.colour)});
+      lamps.push_back(
+          {l.towards ? std::optional(glm::normalize(l.towards->v)) : std::nullopt, colourOf(l.colour)});
   }
 
   // `ambient`, `diffuse`: the point's own colour in both parts. `toEye`: unit.
@@ -39,7 +40,8 @@ struct Lighting {
         const double width = glm::length(between);
         const double nl = std::max(0.0, glm::dot(n, l));
         const double nh = width > 0 ? std::max(0.0, glm::dot(n, between) / width) : 0;
-        sum += lamp.colour * (material.diffuse * nl * diffuse + material.specular * std::pow(nh, material.power));
+        sum += lamp.colour *
+               (material.diffuse * nl * diffuse + material.specular * std::pow(nh, material.power));
       }
     }
     return glm::clamp(sum, 0.0, 1.0);
@@ -49,7 +51,8 @@ struct Lighting {
 // Gradients per voxel to gradients per mm in the patient.
 inline glm::dmat3 patientGradients(const Volume& v) { return glm::transpose(v.voxelFromPatient().linear); }
 
-// The gradient that shading means, per voxel. `field(p)`: NaN where there is no data; `centre`: its value at p.
+// The gradient that shading means, per voxel. `field(p)`: NaN where there is no data; `centre`: its value at
+// p.
 template <class Field>
 glm::dvec3 gradientAt(const Field& field, const glm::dvec3& p, double centre, const glm::dvec3& last) {
   glm::dvec3 g(0);

@@ -7,7 +7,8 @@
 
 namespace vernier::native {
 
-PacketRays::PacketRays(const CameraPicture& camera, const std::vector<HalfSpace>& region, const Volume& volume)
+PacketRays::PacketRays(const CameraPicture& camera, const std::vector<HalfSpace>& region,
+                       const Volume& volume)
     : camera_(camera), region_(region), voxelFromPatient_(volume.voxelFromPatient()) {}
 
 void PacketRays::directions(int x0, int y0, RayPacket& p) {
@@ -33,7 +34,8 @@ void PacketRays::directions(int x0, int y0, RayPacket& p) {
 
 void PacketRays::spans(RayPacket& p) const {
   for (int n = 0; n < kPacketRays; ++n)
-    p.from_mm[n] = std::max(0.0, camera_.near_mm * rayPerDepth_[n]), p.to_mm[n] = std::numeric_limits<double>::infinity();
+    p.from_mm[n] = std::max(0.0, camera_.near_mm * rayPerDepth_[n]),
+    p.to_mm[n] = std::numeric_limits<double>::infinity();
   for (const HalfSpace& h : region_) {
     const double nx = h.normal.v.x, ny = h.normal.v.y, nz = h.normal.v.z;
     for (int n = 0; n < kPacketRays; ++n) {

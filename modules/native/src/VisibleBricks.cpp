@@ -10,17 +10,21 @@
 namespace vernier::native {
 namespace {
 
+constexpr int kMostEdge = 8;  // of a box, in bricks
+
 // One flag per brick of a level.
 struct Flags {
   std::array<std::int32_t, 3> size{};
   std::vector<std::uint8_t> set;
   explicit Flags(const std::array<std::int32_t, 3>& n)
-      : size(n), set(static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) *
-                     static_cast<std::size_t>(n[2])) {}
+      : size(n),
+        set(static_cast<std::size_t>(n[0]) * static_cast<std::size_t>(n[1]) *
+            static_cast<std::size_t>(n[2])) {}
   std::uint8_t& at(std::int32_t x, std::int32_t y, std::int32_t z) {
     return set[static_cast<std::size_t>(x) +
                static_cast<std::size_t>(size[0]) *
-                   (static_cast<std::size_t>(y) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(z))];
+                   (static_cast<std::size_t>(y) +
+                    static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(z))];
   }
 };
 
@@ -52,8 +56,7 @@ Flags joined(Flags& fine) {
   return out;
 }
 
-void addBoxes(const Flags& flags, int edge, std::vector<BrickBox>& out) {
-  Flags& f = const_cast<Flags&>(flags);
+void addBoxes(Flags& f, int edge, std::vector<BrickBox>& out) {
   eachBrick(f, [&](std::int32_t x, std::int32_t y, std::int32_t z) {
     if (!f.at(x, y, z)) return;
     const auto u = [edge](std::int32_t v) { return static_cast<std::uint16_t>(v * edge); };
@@ -61,18 +64,30 @@ void addBoxes(const Flags& flags, int edge, std::vector<BrickBox>& out) {
   });
 }
 
-void addHoles(const ProjectionBounds& bounds, Flags& visible, VisibleBricks& out) {
+// All bricks of a level, joined as far as they go.
+void addJoined(Flags flags, std::vector<BrickBox>& out) {
+  int edge = 1;
+  for (; edge < kMostEdge; edge *= 2) {
+    Flags next = joined(flags);
+    addBoxes(flags, edge, out);
+    flags = std::move(next);
+  }
+  addBoxes(flags, edge, out);
+}
+
+// Visible or not: a bin of steps that a visible brick marks may reach into its neighbours too.
+void addHoles(const ProjectionBounds& bounds, VisibleBricks& out) {
   if (bounds.holes.empty()) return;
   Flags near(bounds.fine.size);
-  eachBrick(visible, [&](std::int32_t x, std::int32_t y, std::int32_t z) {
+  eachBrick(near, [&](std::int32_t x, std::int32_t y, std::int32_t z) {
     if (!(bounds.holes[bounds.fine.index(x, y, z)] > 0)) return;
     // A gradient reads one voxel further.
     for (std::int32_t k = std::max(z - 1, 0); k <= std::min(z + 1, near.size[2] - 1); ++k)
       for (std::int32_t j = std::max(y - 1, 0); j <= std::min(y + 1, near.size[1] - 1); ++j)
-        for (std::int32_t i = std::max(x - 1, 0); i <= std::min(x + 1, near.size[0] - 1); ++i) near.at(i, j, k) = 1;
+        for (std::int32_t i = std::max(x - 1, 0); i <= std::min(x + 1, near.size[0] - 1); ++i)
+          near.at(i, j, k) = 1;
   });
-  for (std::size_t n = 0; n < near.set.size(); ++n) near.set[n] &= visible.set[n];
-  addBoxes(near, 1, out.holes);
+  addJoined(std::move(near), out.holes);
 }
 
 template <class IsVisible>
@@ -84,14 +99,8 @@ std::shared_ptr<const VisibleBricks> bricksOf(const ProjectionBounds& bounds, Is
   });
   auto out = std::make_shared<VisibleBricks>();
   out->size = bounds.fine.size;
-  addHoles(bounds, flags, *out);
-  int edge = 1;
-  for (; edge < 8; edge *= 2) {
-    Flags next = joined(flags);
-    addBoxes(flags, edge, out->boxes);
-    flags = std::move(next);
-  }
-  addBoxes(flags, edge, out->boxes);
+  addHoles(bounds, *out);
+  addJoined(std::move(flags), out->boxes);
   return out;
 }
 
@@ -106,15 +115,18 @@ std::shared_ptr<const VisibleBricks> visibleBricks(const ProjectionBounds& bound
     const double from = range.min + width * static_cast<double>(n);
     before[n + 1] = before[n] + (greatestOpacity(f, from, from + 1.0000001 * width) > 0 ? 1 : 0);
   }
-  // A reader interpolates between entries, in float: one more on both sides.
+  const bool seenBelow = opacityAt(f, range.min) > 0, seenAbove = opacityAt(f, range.max) > 0;
+  // A reader interpolates between entries, in float: one more on both sides. Beyond the ends these hold.
   const double last = static_cast<double>(intervals);
-  const auto interval = [&](float value, double more) {
-    return static_cast<std::size_t>(
-        std::clamp((static_cast<double>(value) - range.min) / width + more, 0.0, last));
-  };
   return bricksOf(bounds, [&](float least, float greatest) {
     if (!(least <= greatest)) return false;
-    return before[std::min(interval(greatest, 1) + 1, intervals)] > before[std::min(interval(least, -1), intervals - 1)];
+    const double low = (static_cast<double>(least) - range.min) / width - 1;
+    const double high = (static_cast<double>(greatest) - range.min) / width + 1;
+    if ((low < 0 && seenBelow) || (high > last && seenAbove)) return true;
+    if (high <= 0 || low >= last) return false;
+    const auto from = static_cast<std::size_t>(std::max(low, 0.0));
+    const auto to = static_cast<std::size_t>(std::ceil(std::min(high, last)));
+    return before[to] > before[from];
   });
 }
 

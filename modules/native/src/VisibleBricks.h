@@ -17,7 +17,7 @@ struct BrickBox {
 class VisibleBricks {
  public:
   std::vector<BrickBox> boxes;
-  std::vector<BrickBox> holes;  // visible bricks in which, or next to which, a voxel is no-data
+  std::vector<BrickBox> holes;  // bricks in which, or next to which, a voxel is no-data, seen or not
   std::array<std::int32_t, 3> size{};
 };
 

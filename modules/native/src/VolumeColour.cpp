@@ -12,7 +12,8 @@ ColourBlend::ColourBlend(const VolumeRenderJob& job) : job_(job) {
   last_ = {static_cast<double>(g.columns - 1), static_cast<double>(g.rows - 1), g.lastPosition_vox()};
 }
 
-void ColourBlend::along(const VoxelRay& ray, double from, double to, RayLight& light, ProjectionWork& work) const {
+void ColourBlend::along(const VoxelRay& ray, double from, double to, RayLight& light,
+                        ProjectionWork& work) const {
   if (!(to > from)) return;
   const Steps met = stepsOf(from, to, job_.step_mm, false);
   for (std::int64_t k = met.first; k < met.first + met.count && light.through >= job_.leastLight; ++k) {
@@ -23,15 +24,16 @@ void ColourBlend::along(const VoxelRay& ray, double from, double to, RayLight& l
     };
     std::uint64_t again = 0;
     // Without alpha a voxel is opaque, as far as its gain says.
-    const double alpha = channels_.size() > 3 ? channel(3, work.samples) : std::clamp(job_.gains[3], 0.0, 1.0);
+    const double alpha =
+        channels_.size() > 3 ? channel(3, work.samples) : std::clamp(job_.gains[3], 0.0, 1.0);
     if (channels_.size() < 4) ++work.samples;
     if (!(alpha > 0)) continue;
     const double whole = job_.opacity == OpacityRule::Linear ? opacityOverLinear(alpha, lengths_)
                                                              : opacityOver(alpha, lengths_);
     const StepShare share = shareOf(k, job_.step_mm, from, to);
     const double opacity = share.weight < 1 ? opacityOver(whole, share.weight) : whole;
-    light.add(opacity * glm::dvec3(channel(0, again), channel(1, again), channel(2, again)), opacity, share.from_mm,
-              share.to_mm);
+    light.add(opacity * glm::dvec3(channel(0, again), channel(1, again), channel(2, again)), opacity,
+              share.from_mm, share.to_mm);
   }
 }
 

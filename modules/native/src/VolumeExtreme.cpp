@@ -23,7 +23,8 @@ Result<Images> extremes(const VolumeRenderJob& job, const Volume& volume, const 
   p.exact = job.exact && whyNotExact(p).empty();
   if (volume.isColour()) p.bounds = nullptr;
   Images images;
-  images.values.resize(static_cast<std::size_t>(job.camera.width_px) * static_cast<std::size_t>(job.camera.height_px));
+  images.values.resize(static_cast<std::size_t>(job.camera.width_px) *
+                       static_cast<std::size_t>(job.camera.height_px));
   if (Result<void> drawn = drawProjection(p, images, stop); !drawn) return drawn.error();
   return images;
 }
@@ -61,7 +62,8 @@ glm::dvec3 withTools(const VolumeRenderJob& job, std::size_t pixel, const Seen& 
       through *= 1 - static_cast<double>(l.alpha);
     }
     if (std::isfinite(tools->end_mm[pixel]))
-      for (std::size_t c = 0; c < 3; ++c) end[static_cast<int>(c)] = static_cast<double>(tools->endColour[3 * pixel + c]);
+      for (std::size_t c = 0; c < 3; ++c)
+        end[static_cast<int>(c)] = static_cast<double>(tools->endColour[3 * pixel + c]);
   }
   if (!passed) pass();
   return sum + through * end;
@@ -69,9 +71,12 @@ glm::dvec3 withTools(const VolumeRenderJob& job, std::size_t pixel, const Seen& 
 
 void put(const VolumeRenderJob& job, std::size_t pixel, const Seen& seen, bool data, Images& images) {
   const glm::dvec3 colour = withTools(job, pixel, seen);
-  for (int c = 0; c < 3; ++c) images.colour[4 * pixel + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
+  for (int c = 0; c < 3; ++c)
+    images.colour[4 * pixel + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
   images.colour[4 * pixel + 3] = 1;
-  images.depth[pixel] = data ? static_cast<float>(seen.t_mm) : job.tools ? job.tools->end_mm[pixel] : kNothing_mm;
+  images.depth[pixel] = data        ? static_cast<float>(seen.t_mm)
+                        : job.tools ? job.tools->end_mm[pixel]
+                                    : kNothing_mm;
 }
 
 template <class Fn>

@@ -6,8 +6,8 @@
 #include <hwy/highway.h>
 
 #include "VolumeFast.h"
-#include "VolumeFastRead-inl.h"
 #include "VolumeFastLight-inl.h"
+#include "VolumeFastRead-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace vernier::native {
@@ -17,8 +17,8 @@ constexpr std::int64_t kBlockSteps = 16;
 
 // The steps that the lanes' parts meet, counted from `base`, and the shares of the first and the last.
 struct LaneSteps {
-  std::int64_t base = 0;  // least first step
-  std::int64_t last = -1;  // greatest last step
+  std::int64_t base = 0;                     // least first step
+  std::int64_t last = -1;                    // greatest last step
   std::int64_t wholeFrom = 0, wholeTo = -1;  // between these all lanes have whole steps
   VI first, end;
   V firstShare, lastShare;
@@ -34,7 +34,8 @@ HWY_INLINE LaneSteps StepsOf(const RayPacket& p, double step, int lane0) {
   const int n = static_cast<int>(hn::Lanes(d));
   LaneSteps s;
   s.base = std::numeric_limits<std::int64_t>::max();
-  s.wholeFrom = std::numeric_limits<std::int64_t>::min(), s.wholeTo = std::numeric_limits<std::int64_t>::max();
+  s.wholeFrom = std::numeric_limits<std::int64_t>::min(),
+  s.wholeTo = std::numeric_limits<std::int64_t>::max();
   for (int l = 0; l < n; ++l) {
     const double begin = p.from_mm[lane0 + l] / step, end = p.to_mm[lane0 + l] / step;
     first[l] = 0, last[l] = -1, share0[l] = share1[l] = 0;
@@ -81,7 +82,12 @@ template <class T, bool kTable>
 class March {
  public:
   March(const FastVolume& v, const RayPacket& p, const PacketMarks& marks, int lane0, ProjectionWork& work)
-      : v_(v), p_(p), marks_(marks), lane0_(lane0), work_(work), step_(v.job->step_mm),
+      : v_(v),
+        p_(p),
+        marks_(marks),
+        lane0_(lane0),
+        work_(work),
+        step_(v.job->step_mm),
         steps_(StepsOf(p, step_, lane0)) {}
 
   HWY_INLINE void Run(RayLight* lights) {
@@ -155,7 +161,8 @@ class March {
       const bool fresh = block != block_;
       if (fresh) Begin(block);
       if constexpr (kTable)
-        if (fresh || first) front = TablePlace(FieldAt<T>(v_.read, PlaceAt(static_cast<float>(k - block) - 0.5f)).value);
+        if (fresh || first)
+          front = TablePlace(FieldAt<T>(v_.read, PlaceAt(static_cast<float>(k - block) - 0.5f)).value);
       first = false;
       if (!Step(k, front)) return false;
     }
@@ -173,9 +180,9 @@ class March {
       const VI now = hn::Set(di, static_cast<std::int32_t>(k - steps_.base));
       const auto outside = hn::Or(hn::Lt(now, steps_.first), hn::Gt(now, steps_.end));
       active = hn::AndNot(hn::RebindMask(d, outside), active);
-      share = hn::IfThenElse(hn::RebindMask(d, hn::Eq(now, steps_.first)), steps_.firstShare,
-                             hn::IfThenElse(hn::RebindMask(d, hn::Eq(now, steps_.end)), steps_.lastShare,
-                                            hn::Set(d, 1.0f)));
+      share = hn::IfThenElse(
+          hn::RebindMask(d, hn::Eq(now, steps_.first)), steps_.firstShare,
+          hn::IfThenElse(hn::RebindMask(d, hn::Eq(now, steps_.end)), steps_.lastShare, hn::Set(d, 1.0f)));
     }
     if (hn::AllFalse(d, active)) {
       // Lanes may yet begin.
@@ -194,15 +201,15 @@ class March {
       active = hn::Gt(opacity, hn::Zero(d));
       if (hn::AllFalse(d, active)) return true;
       const V inverse = hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(active, opacity, hn::Set(d, 1.0f)));
-      for (std::size_t c = 0; c < 3; ++c)
-        colour[c] = hn::Mul(Bilinear(v_.lit[c].data(), v_, pair), inverse);
+      for (std::size_t c = 0; c < 3; ++c) colour[c] = hn::Mul(Bilinear(v_.lit[c].data(), v_, pair), inverse);
       if (v_.shaded) place = PlaceAt(within), here = FieldAt<T>(v_.read, place);
     } else {
       place = PlaceAt(within);
       here = FieldAt<T>(v_.read, place);
       samples_ += hn::CountTrue(d, active);
       const V at = TablePlace(here.value);
-      active = hn::And(active, hn::And(hn::Gt(at, hn::Set(d, v_.seenFrom)), hn::Lt(at, hn::Set(d, v_.seenTo))));
+      active =
+          hn::And(active, hn::And(hn::Gt(at, hn::Set(d, v_.seenFrom)), hn::Lt(at, hn::Set(d, v_.seenTo))));
       if (hn::AllFalse(d, active)) return true;
       const VI entry = hn::ConvertTo(di, at);
       const V rest = hn::Sub(at, hn::ConvertTo(d, entry));
@@ -226,8 +233,9 @@ class March {
     if (!hn::AllFalse(d, passed)) {
       light_.before = hn::IfThenElse(passed, light_.through, light_.before);
       light_.after = hn::IfThenElse(passed, after, light_.after);
-      light_.halfStep = hn::IfThenElse(hn::RebindMask(DI(), passed),
-                                       hn::Set(DI(), static_cast<std::int32_t>(k - steps_.base)), light_.halfStep);
+      light_.halfStep =
+          hn::IfThenElse(hn::RebindMask(DI(), passed),
+                         hn::Set(DI(), static_cast<std::int32_t>(k - steps_.base)), light_.halfStep);
     }
     light_.through = after;
   }
@@ -236,7 +244,8 @@ class March {
   HWY_INLINE bool AnyLeft(std::int64_t k) const {
     const D d;
     const M lit = hn::Ge(light_.through, hn::Set(d, static_cast<float>(v_.job->leastLight)));
-    const M ahead = hn::RebindMask(d, hn::Gt(steps_.end, hn::Set(DI(), static_cast<std::int32_t>(k - steps_.base))));
+    const M ahead =
+        hn::RebindMask(d, hn::Gt(steps_.end, hn::Set(DI(), static_cast<std::int32_t>(k - steps_.base))));
     return !hn::AllFalse(d, hn::And(lit, ahead));
   }
 
@@ -251,7 +260,8 @@ class March {
         for (std::size_t l = 0; l < hn::Lanes(D()); ++l) {
           const int n = lane0_ + static_cast<int>(l);
           if (p_.to_mm[n] > p_.from_mm[n])
-            v_.general->steps(p_.ray(n), p_.forward(n), p_.from_mm[n], p_.to_mm[n], k, binEnd, lights[n], work_);
+            v_.general->steps(p_.ray(n), p_.forward(n), p_.from_mm[n], p_.to_mm[n], k, binEnd, lights[n],
+                              work_);
         }
         LoadLight(lights);
       } else if (!Steps(k, binEnd)) {
@@ -290,7 +300,8 @@ class March {
       r.through = static_cast<double>(f[3][l]);
       if (half[l] < 0) continue;
       const StepShare s = shareOf(steps_.base + half[l], step_, p_.from_mm[n], p_.to_mm[n]);
-      r.half_mm = RayLight::halfPlace(static_cast<double>(f[4][l]), static_cast<double>(f[5][l]), s.from_mm, s.to_mm);
+      r.half_mm =
+          RayLight::halfPlace(static_cast<double>(f[4][l]), static_cast<double>(f[5][l]), s.from_mm, s.to_mm);
     }
   }
 

@@ -15,13 +15,14 @@ namespace vernier::native {
 
 // The rays of a packet, and one part of each. Lane n is pixel (n % 4, n / 4).
 struct RayPacket {
-  alignas(64) double origin[3][kPacketRays];     // voxels, at the lattice's origin
-  alignas(64) double direction[3][kPacketRays];  // voxels per mm
-  alignas(64) double towards[3][kPacketRays];    // unit, in the patient, away from the eye
+  alignas(64) double origin[3][kPacketRays];                    // voxels, at the lattice's origin
+  alignas(64) double direction[3][kPacketRays];                 // voxels per mm
+  alignas(64) double towards[3][kPacketRays];                   // unit, in the patient, away from the eye
   alignas(64) double from_mm[kPacketRays], to_mm[kPacketRays];  // empty: from > to
-  bool parallel = false;  // all rays have the direction of the first
+  bool parallel = false;                                        // all rays have the direction of the first
   VoxelRay ray(int n) const {
-    return {{origin[0][n], origin[1][n], origin[2][n]}, {direction[0][n], direction[1][n], direction[2][n]}, 1};
+    return {
+        {origin[0][n], origin[1][n], origin[2][n]}, {direction[0][n], direction[1][n], direction[2][n]}, 1};
   }
   glm::dvec3 forward(int n) const { return {towards[0][n], towards[1][n], towards[2][n]}; }
 };
@@ -39,26 +40,28 @@ struct FastLamp {
 struct FastVolume {
   const VolumeRenderJob* job = nullptr;
   const GeneralBlend* general = nullptr;
-  FastSlice read;                          // data, strides, bias
-  float placeScale = 0, placeOffset = 0;   // of w in the table
+  FastSlice read;                         // data, strides, bias
+  float placeScale = 0, placeOffset = 0;  // of w in the table
   float lastPlace = 0;
-  float seenFrom = 0, seenTo = 0;          // places between which alone an entry has any opacity
+  float seenFrom = 0, seenTo = 0;  // places between which alone an entry has any opacity
   int entries = 0;
-  std::vector<float> opacity;              // Post: of a step; PreIntegrated: entries * entries
-  std::array<std::vector<std::uint32_t>, 3> colour;  // Post: 16 bits of value, 16 of the way to the next entry
-  std::array<std::vector<float>, 3> lit;   // PreIntegrated: premultiplied colour
+  std::vector<float> opacity;  // Post: of a step; PreIntegrated: entries * entries
+  std::array<std::vector<std::uint32_t>, 3>
+      colour;                             // Post: 16 bits of value, 16 of the way to the next entry
+  std::array<std::vector<float>, 3> lit;  // PreIntegrated: premultiplied colour
   bool shaded = false, ownColour = true;
   float ambient[3] = {}, diffuse[3] = {};  // the material's part times its colour, or the part alone
   float specular = 0, power = 1;
-  int wholePower = -1;                     // the power where it is whole and small
+  int wholePower = -1;  // the power where it is whole and small
   std::vector<FastLamp> lamps;
-  float patientGradient[3][3] = {};        // rows
+  float patientGradient[3][3] = {};  // rows
 };
 
 // nullopt: only GeneralBlend can draw it.
 std::optional<FastVolume> fastVolumeOf(const VolumeRenderJob&);
 
-using FastBlend = void (*)(const FastVolume&, const RayPacket&, const PacketMarks&, RayLight*, ProjectionWork&);
+using FastBlend = void (*)(const FastVolume&, const RayPacket&, const PacketMarks&, RayLight*,
+                           ProjectionWork&);
 FastBlend fastBlendFor(const FastVolume&);
 
 }  // namespace vernier::native

@@ -6,8 +6,8 @@
 #else
 #define VERNIER_VOLUME_FAST_LIGHT_INL_H
 #endif
-#include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
+#include <hwy/highway.h>
 
 #include "VolumeFastRead-inl.h"
 
@@ -18,7 +18,9 @@ namespace HWY_NAMESPACE {
 struct V3 {
   V x, y, z;
 };
-HWY_INLINE V Dot(const V3& a, const V3& b) { return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z))); }
+HWY_INLINE V Dot(const V3& a, const V3& b) {
+  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+}
 
 HWY_INLINE V PowerOf(V base, const FastVolume& v) {
   const D d;
@@ -40,16 +42,19 @@ class PacketLighting {
     const D d;
     alignas(64) float f[3][kPacketRays];
     for (std::size_t l = 0; l < hn::Lanes(d); ++l)
-      for (int a = 0; a < 3; ++a) f[a][l] = static_cast<float>(-p.towards[a][static_cast<std::size_t>(lane0) + l]);
+      for (int a = 0; a < 3; ++a)
+        f[a][l] = static_cast<float>(-p.towards[a][static_cast<std::size_t>(lane0) + l]);
     toEye_ = {hn::Load(d, f[0]), hn::Load(d, f[1]), hn::Load(d, f[2])};
     for (std::size_t n = 0; n < v.lamps.size(); ++n) {
       const FastLamp& lamp = v.lamps[n];
       if (lamp.atEye) continue;
-      const V3 between{hn::Add(toEye_.x, hn::Set(d, lamp.towards[0])), hn::Add(toEye_.y, hn::Set(d, lamp.towards[1])),
+      const V3 between{hn::Add(toEye_.x, hn::Set(d, lamp.towards[0])),
+                       hn::Add(toEye_.y, hn::Set(d, lamp.towards[1])),
                        hn::Add(toEye_.z, hn::Set(d, lamp.towards[2]))};
       // Of length 0 where light and eye are opposite: no specular part.
       const V size = Dot(between, between);
-      const V scale = hn::IfThenElseZero(hn::Gt(size, hn::Set(d, 1e-12f)), hn::Div(hn::Set(d, 1.0f), hn::Sqrt(size)));
+      const V scale =
+          hn::IfThenElseZero(hn::Gt(size, hn::Set(d, 1e-12f)), hn::Div(hn::Set(d, 1.0f), hn::Sqrt(size)));
       between_[n] = {hn::Mul(between.x, scale), hn::Mul(between.y, scale), hn::Mul(between.z, scale)};
     }
   }
@@ -59,7 +64,8 @@ class PacketLighting {
     const D d;
     const auto rotated = [&](int a) {
       return hn::MulAdd(g.x, hn::Set(d, v.patientGradient[a][0]),
-                        hn::MulAdd(g.y, hn::Set(d, v.patientGradient[a][1]), hn::Mul(g.z, hn::Set(d, v.patientGradient[a][2]))));
+                        hn::MulAdd(g.y, hn::Set(d, v.patientGradient[a][1]),
+                                   hn::Mul(g.z, hn::Set(d, v.patientGradient[a][2]))));
     };
     V3 n{rotated(0), rotated(1), rotated(2)};
     const V size = Dot(n, n), facing = Dot(n, toEye_);
@@ -79,7 +85,8 @@ class PacketLighting {
       const V nl = lamp.atEye ? towardsEye : hn::Max(hn::Zero(d), Dot(n, l));
       const V nh = lamp.atEye ? towardsEye : hn::Max(hn::Zero(d), Dot(n, between_[k]));
       // Without a normal there is no highlight either, whatever the power.
-      const V shine = hn::IfThenElseZero(hn::Ne(scale, hn::Zero(d)), hn::Mul(hn::Set(d, v.specular), PowerOf(nh, v)));
+      const V shine =
+          hn::IfThenElseZero(hn::Ne(scale, hn::Zero(d)), hn::Mul(hn::Set(d, v.specular), PowerOf(nh, v)));
       for (int c = 0; c < 3; ++c) {
         V own = hn::Mul(hn::Set(d, v.diffuse[c]), nl);
         if (v.ownColour) own = hn::Mul(own, colour[c]);

@@ -30,7 +30,8 @@ struct FieldSample {
 };
 
 // Positions are moved to the box of voxel centres, axis by axis; `inside`: none needs to be.
-HWY_INLINE FieldPlace PlaceOf(const FastSlice& s, const std::int64_t (&whole)[3], const V (&x)[3], bool inside) {
+HWY_INLINE FieldPlace PlaceOf(const FastSlice& s, const std::int64_t (&whole)[3], const V (&x)[3],
+                              bool inside) {
   const D d;
   const DI di;
   FieldPlace at;
@@ -145,7 +146,8 @@ HWY_INLINE Gradient GradientAt(const FastSlice& s, const std::int64_t (&whole)[3
       const VI after = hn::Add(at.offset, hn::Set(di, static_cast<std::int32_t>(s.stride[0])));
       for (int n = 0; n < 4; ++n) across[n] = AcrossX<T>(rows[n], before, after, at.fraction[0]);
     } else {
-      for (int n = 0; n < 4; ++n) across[n] = AcrossXAtFace<T>(rows[n], at.offset, before, ahead[0], at.fraction[0]);
+      for (int n = 0; n < 4; ++n)
+        across[n] = AcrossXAtFace<T>(rows[n], at.offset, before, ahead[0], at.fraction[0]);
     }
     g.x = Lerp<false>(Lerp<false>(across[0], across[1], at.fraction[1]),
                       Lerp<false>(across[2], across[3], at.fraction[1]), at.fraction[2]);
@@ -158,7 +160,8 @@ HWY_INLINE Gradient GradientAt(const FastSlice& s, const std::int64_t (&whole)[3
     const V low = hn::Sub(second, row(slice, back[1])), high = hn::Sub(row(slice, ahead[1]), first);
     return Lerp<false>(low, high, at.fraction[1]);
   };
-  g.y = Lerp<false>(acrossY(at.data, here.row[0], here.row[1]), acrossY(up, here.row[2], here.row[3]), at.fraction[2]);
+  g.y = Lerp<false>(acrossY(at.data, here.row[0], here.row[1]), acrossY(up, here.row[2], here.row[3]),
+                    at.fraction[2]);
   const auto acrossZ = [&](const std::uint8_t* from, V first, V second) {
     const V low = hn::Sub(second, row(from, back[2])), high = hn::Sub(row(from, ahead[2]), first);
     return Lerp<false>(low, high, at.fraction[2]);
@@ -172,7 +175,8 @@ HWY_INLINE V ColourOf(const std::uint32_t* table, VI entry, V rest) {
   const D d;
   const DI di;
   const VI word = hn::GatherIndex(di, reinterpret_cast<const std::int32_t*>(table), entry);
-  const V value = hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<16>(hn::BitCast(hn::RebindToUnsigned<DI>(), word))));
+  const V value =
+      hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<16>(hn::BitCast(hn::RebindToUnsigned<DI>(), word))));
   const V way = hn::ConvertTo(d, hn::ShiftRight<16>(hn::ShiftLeft<16>(word)));
   return hn::Mul(hn::MulAdd(hn::Add(rest, rest), way, value), hn::Set(d, 1 / 65535.0f));
 }
@@ -193,8 +197,10 @@ HWY_INLINE TablePair PairOf(const FastVolume& v, V front, V back) {
 HWY_INLINE V Bilinear(const float* table, const FastVolume& v, const TablePair& at) {
   const D d;
   const float* const next = table + v.entries;
-  const V low = Lerp<false>(hn::GatherIndex(d, table, at.index), hn::GatherIndex(d, table + 1, at.index), at.x);
-  const V high = Lerp<false>(hn::GatherIndex(d, next, at.index), hn::GatherIndex(d, next + 1, at.index), at.x);
+  const V low =
+      Lerp<false>(hn::GatherIndex(d, table, at.index), hn::GatherIndex(d, table + 1, at.index), at.x);
+  const V high =
+      Lerp<false>(hn::GatherIndex(d, next, at.index), hn::GatherIndex(d, next + 1, at.index), at.x);
   return Lerp<false>(low, high, at.y);
 }
 

@@ -72,7 +72,8 @@ void setShading(FastVolume& v) {
   for (int c = 0; c < 3; ++c)
     v.ambient[c] = static_cast<float>(ambient[c]), v.diffuse[c] = static_cast<float>(diffuse[c]);
   v.specular = static_cast<float>(m.specular), v.power = static_cast<float>(m.power);
-  if (m.power >= 0 && m.power <= 256 && m.power == std::floor(m.power)) v.wholePower = static_cast<int>(m.power);
+  if (m.power >= 0 && m.power <= 256 && m.power == std::floor(m.power))
+    v.wholePower = static_cast<int>(m.power);
   for (const Lighting::Lamp& lamp : Lighting(m, job.lights).lamps) {
     FastLamp out;
     out.atEye = !lamp.towards;

@@ -16,7 +16,8 @@ struct Shown {
 
 double overStep(const VolumeRenderJob& job, double opacity, double length_mm) {
   const double lengths = job.step_mm / length_mm;
-  return job.opacity == OpacityRule::Linear ? opacityOverLinear(opacity, lengths) : opacityOver(opacity, lengths);
+  return job.opacity == OpacityRule::Linear ? opacityOverLinear(opacity, lengths)
+                                            : opacityOver(opacity, lengths);
 }
 
 Shown post(const VolumeRenderJob& job, double value) {
@@ -34,9 +35,9 @@ Shown pre(const GeneralSampler<T>& sampler, const VolumeRenderJob& job, const gl
   if (!(a > 0)) return {};
   Shown out;
   for (int c = 0; c < 3; ++c)
-    out.colour[c] = sampler.mapped(job.interpolation, p, again,
-                                 [&](double value) { return opacityAt(f, value) * colourAt(f, value)[c]; }) /
-                    a;
+    out.colour[c] = sampler.mapped(job.interpolation, p, again, [&](double value) {
+      return opacityAt(f, value) * colourAt(f, value)[c];
+    }) / a;
   out.opacity = overStep(job, a, f.opacityLength_mm);
   return out;
 }
@@ -57,7 +58,9 @@ Shown preIntegrated(const PreIntegratedTable& t, double front, double back) {
   const auto n = static_cast<std::size_t>(t.size);
   std::array<double, 4> out{};
   for (std::size_t c = 0; c < 4; ++c) {
-    const auto at = [&](std::size_t a, std::size_t b) { return static_cast<double>(t.rgba[4 * (a + n * b) + c]); };
+    const auto at = [&](std::size_t a, std::size_t b) {
+      return static_cast<double>(t.rgba[4 * (a + n * b) + c]);
+    };
     out[c] = std::lerp(std::lerp(at(i, j), at(i + 1, j), x), std::lerp(at(i, j + 1), at(i + 1, j + 1), x), y);
   }
   if (!(out[3] > 0)) return {};
@@ -75,7 +78,8 @@ GeneralBlend::GeneralBlend(const VolumeRenderJob& job)
 
 template <class T>
 void GeneralBlend::stepsOf(const VoxelRay& ray, const glm::dvec3& direction, double from, double to,
-                           std::int64_t begin, std::int64_t end, RayLight& light, ProjectionWork& work) const {
+                           std::int64_t begin, std::int64_t end, RayLight& light,
+                           ProjectionWork& work) const {
   const GeneralSampler<T> sampler(*job_.volume);
   const auto at = [&](double k) { return glm::clamp(ray.at(k * job_.step_mm), first_, last_); };
   const auto value = [&](const glm::dvec3& p) { return sampler.value(job_.interpolation, p, work.samples); };
@@ -101,7 +105,8 @@ void GeneralBlend::stepsOf(const VoxelRay& ray, const glm::dvec3& direction, dou
       std::uint64_t unused = 0;
       const auto field = [&](const glm::dvec3& q) { return sampler.linear(q, unused); };
       const double middle = field(p);
-      const glm::dvec3 g = std::isnan(middle) ? glm::dvec3(0) : patientGradient_ * gradientAt(field, p, middle, last_);
+      const glm::dvec3 g =
+          std::isnan(middle) ? glm::dvec3(0) : patientGradient_ * gradientAt(field, p, middle, last_);
       const bool own = job_.shading == ShadingModel::ColourPerVoxel;
       shown.colour = lighting_.lit(own ? shown.colour : colourOf(job_.material.ambientColour),
                                    own ? shown.colour : colourOf(job_.material.diffuseColour), g, -direction);

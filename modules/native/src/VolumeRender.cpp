@@ -38,8 +38,8 @@ struct Painter {
 // A packet's rays and where they have got to.
 struct PacketWork {
   RayPacket rays;
-  double until_mm[kPacketRays];         // of the whole ray: the region's end or the tool's
-  std::uint32_t layer[kPacketRays];     // next translucent tool
+  double until_mm[kPacketRays];      // of the whole ray: the region's end or the tool's
+  std::uint32_t layer[kPacketRays];  // next translucent tool
   std::size_t pixel[kPacketRays];
   bool inPicture[kPacketRays];
   RayLight light[kPacketRays];
@@ -52,8 +52,8 @@ void drawParts(const Painter& p, PacketWork& w, const PacketMarks& marks, Projec
     if (p.colour)
       p.colour->along(w.rays.ray(n), w.rays.from_mm[n], w.rays.to_mm[n], w.light[n], work);
     else
-      p.general->along(w.rays.ray(n), w.rays.forward(n), w.rays.from_mm[n], w.rays.to_mm[n], marks.seen, w.light[n],
-                       work);
+      p.general->along(w.rays.ray(n), w.rays.forward(n), w.rays.from_mm[n], w.rays.to_mm[n], marks.seen,
+                       w.light[n], work);
   }
 }
 
@@ -107,9 +107,11 @@ void putBackground(const Painter& p, int x0, int y0) {
   const Rgb& b = p.job.background;
   for (int y = y0; y < std::min(y0 + kPacketEdge_px, p.images.height); ++y)
     for (int x = x0; x < std::min(x0 + kPacketEdge_px, p.images.width); ++x) {
-      const std::size_t pixel = static_cast<std::size_t>(x) + static_cast<std::size_t>(p.images.width) * static_cast<std::size_t>(y);
+      const std::size_t pixel = static_cast<std::size_t>(x) +
+                                static_cast<std::size_t>(p.images.width) * static_cast<std::size_t>(y);
       float* const out = p.images.colour.data() + 4 * pixel;
-      out[0] = static_cast<float>(b.r), out[1] = static_cast<float>(b.g), out[2] = static_cast<float>(b.b), out[3] = 1;
+      out[0] = static_cast<float>(b.r), out[1] = static_cast<float>(b.g), out[2] = static_cast<float>(b.b),
+      out[3] = 1;
       p.images.depth[pixel] = kNothing_mm;
     }
 }
@@ -127,7 +129,8 @@ void drawPacket(const Painter& p, PacketRays& rays, int x0, int y0, PacketWork& 
       w.rays.to_mm[n] = w.rays.from_mm[n] - 1, w.until_mm[n] = w.rays.to_mm[n];
       continue;
     }
-    w.pixel[n] = static_cast<std::size_t>(x) + static_cast<std::size_t>(p.images.width) * static_cast<std::size_t>(y);
+    w.pixel[n] =
+        static_cast<std::size_t>(x) + static_cast<std::size_t>(p.images.width) * static_cast<std::size_t>(y);
     if (!tools) continue;
     w.layer[n] = tools->first[w.pixel[n]];
     w.until_mm[n] = std::min(w.rays.to_mm[n], static_cast<double>(tools->end_mm[w.pixel[n]]));
@@ -177,14 +180,17 @@ Result<void> renderVolume(const VolumeRenderJob& job, Images& images, std::stop_
     painter.fast->general = &*painter.general;
     painter.kernel = fastBlendFor(*painter.fast);
   }
-  const int across = (images.width + kTile_px - 1) / kTile_px, down = (images.height + kTile_px - 1) / kTile_px;
+  const int across = (images.width + kTile_px - 1) / kTile_px,
+            down = (images.height + kTile_px - 1) / kTile_px;
   std::atomic<std::uint64_t> samples{0};
   parallelFor(static_cast<std::size_t>(across) * static_cast<std::size_t>(down), 1,
               [&](std::size_t begin, std::size_t end) {
-                PacketRays rays(job.camera, job.region, job.volume->isColour() ? job.volume->channel(0) : *job.volume);
+                PacketRays rays(job.camera, job.region,
+                                job.volume->isColour() ? job.volume->channel(0) : *job.volume);
                 PacketWork packet;
                 for (std::size_t t = begin; t < end; ++t) {
-                  const int x0 = static_cast<int>(t) % across * kTile_px, y0 = static_cast<int>(t) / across * kTile_px;
+                  const int x0 = static_cast<int>(t) % across * kTile_px,
+                            y0 = static_cast<int>(t) / across * kTile_px;
                   ProjectionWork work;
                   for (int y = y0; y < std::min(y0 + kTile_px, images.height) && !stop.stop_requested();
                        y += kPacketEdge_px)

@@ -63,13 +63,13 @@ struct VolumeRenderJob {
   Interpolation interpolation = Interpolation::Linear;
   ShadingModel shading = ShadingModel::None;
   Material material;
-  std::vector<Light> lights;           // none: a white one at the eye
+  std::vector<Light> lights;  // none: a white one at the eye
   std::array<double, 4> gains{1, 1, 1, 1};
-  const TransferFunction* function = nullptr;      // checked; of grey volumes
-  const TransferTable* table = nullptr;            // of Post, for step_mm
+  const TransferFunction* function = nullptr;         // checked; of grey volumes
+  const TransferTable* table = nullptr;               // of Post, for step_mm
   const PreIntegratedTable* preIntegrated = nullptr;  // of PreIntegrated, for step_mm
-  double step_mm = 1;                  // of the sampling lattice
-  bool exact = false;                  // of Max and Min: cell by cell where that is possible
+  double step_mm = 1;                                 // of the sampling lattice
+  bool exact = false;                                 // of Max and Min: cell by cell where that is possible
   double leastLight = kReviewLeastLight;
   Rgb background;
   const SurfaceHits* tools = nullptr;  // of the same camera; null: none
