@@ -44,6 +44,7 @@ struct ErrorReport {
   std::size_t n = 0, population = 0;
   double populationShare = 0;  // of all pixels of the picture
   double max = 0, rms = 0, p50 = 0, p99 = 0;
+  double innerP95 = 0;          // of the pixels that are no edges: 95 % of them lie within it
   std::optional<double> bound;  // absent: too few samples to bound anything at this confidence
   std::size_t rank = 0;         // the bound is the rank-th largest difference
   double share = 0.99, confidence = 0.99;
