@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "Cli.h"
@@ -33,6 +36,22 @@ Json panelJson(const Panel& panel) {
   return {{"title", panel.title}, {"kind", panel.kind}, {"controls", controls}};
 }
 
+// Data files that a plugin brings: its sub-folders, each with the names of its JSON files, sorted.
+std::map<std::string, std::vector<std::string>> dataOf(const PluginInfo& plugin) {
+  namespace fs = std::filesystem;
+  std::map<std::string, std::vector<std::string>> data;
+  std::error_code ec;
+  for (fs::directory_iterator it(plugin.folder, ec), end; !ec && it != end; it.increment(ec)) {
+    std::error_code inner;
+    std::vector<std::string> names;
+    for (fs::directory_iterator file(it->path(), inner), last; !inner && file != last; file.increment(inner))
+      if (file->path().extension() == ".json") names.push_back(file->path().stem().string());
+    std::sort(names.begin(), names.end());
+    if (!names.empty()) data[it->path().filename().string()] = std::move(names);
+  }
+  return data;
+}
+
 int run(const GlobalOptions& global, bool json) {
   const auto session = makeSession(global);
   if (!session) return 2;
@@ -48,6 +67,7 @@ int run(const GlobalOptions& global, bool json) {
                       {"kinds", p.kinds},
                       {"views", p.views},
                       {"techniques", p.techniques},
+                      {"data", dataOf(p)},
                       {"panels", panels}});
     }
     std::cout << Json{{"schema", "vernier-plugins/1"}, {"plugins", list}}.dump(2) << "\n";
@@ -59,6 +79,11 @@ int run(const GlobalOptions& global, bool json) {
     if (!p.reason.empty()) std::printf("               %s\n", p.reason.c_str());
     if (!p.description.empty()) std::printf("               %s\n", p.description.c_str());
     for (const std::string& t : p.techniques) std::printf("               technique %s\n", t.c_str());
+    for (const auto& [folder, names] : dataOf(p)) {
+      std::printf("               %s", folder.c_str());
+      for (const std::string& n : names) std::printf(" %s", n.c_str());
+      std::printf("\n");
+    }
     for (const Panel& panel : p.panels)
       std::printf("               panel \"%s\" for layers of kind %s\n", panel.title.c_str(),
                   panel.kind.c_str());

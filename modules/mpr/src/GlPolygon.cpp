@@ -17,29 +17,6 @@ constexpr int kMostSamples = 4096;
 constexpr std::array<int, 4> kVertexLayout{2, 1, 2, 2};
 constexpr Margin kMargin{1.0 / 16.0, 1e-5};
 
-Result<std::shared_ptr<const gpu::Texture>> volumeTexture(gpu::Device& device, const Volume& volume,
-                                                          const TexelCode& code, std::stop_token stop) {
-  const GridGeometry& g = volume.grid();
-  if (code.bytes(g) > device.cache().limit())
-    return makeError(ErrorCode::OutOfMemory, "The volume needs " + std::to_string(code.bytes(g) >> 20) +
-                                                 " MB as a texture and GL may hold " +
-                                                 std::to_string(device.cache().limit() >> 20) + " MB.");
-  const char* kind = code.format == gpu::Format::R16 ? "volume r16" : "volume r32f";
-  return device.cache().get({kind, volume.revision(), 0}, [&]() -> Result<gpu::Texture> {
-    Result<gpu::Texture> t = device.texture3d(code.format, static_cast<int>(g.columns),
-                                              static_cast<int>(g.rows), static_cast<int>(g.slices));
-    if (!t) return t;
-    std::vector<std::byte> scratch;
-    for (std::int64_t k = 0; k < g.slices; ++k) {
-      if (stop.stop_requested()) return cancelled();
-      Result<void> r =
-          device.uploadSlices(*t, static_cast<int>(k), 1, slicedTexels(volume, code, k, scratch));
-      if (!r) return r.error();
-    }
-    return t;
-  });
-}
-
 // A slab's polygon is that of the union of its samples: the picture, cut only where one sample alone is
 // drawn.
 Outline outlineOf(const SliceParams& p) {
@@ -63,9 +40,9 @@ Result<void> drawPolygon(gpu::Device& device, const SliceParams& p, const TexelC
   auto program = device.program(fixed ? "mpr polygon, fixed-function" : "mpr polygon",
                                 shaderOf("", {"picture.vert.glsl"}),
                                 shaderOf(fixed ? "#define DEEPER\n#define FIXED\n" : "#define DEEPER\n",
-                                         {"position.glsl", "value.glsl", "polygon.frag.glsl"}));
+                                         {"position.glsl", "texels.glsl", "polygon.frag.glsl"}));
   if (!program) return program.error();
-  auto texture = volumeTexture(device, *p.volume, code, stop);
+  auto texture = gpu::volumeTexture(device, *p.volume, code, stop);
   if (!texture) return texture.error();
   Result<gpu::VertexData> vertices = device.vertices(vertexFloats(outline), kVertexLayout);
   if (!vertices) return vertices.error();
@@ -80,7 +57,7 @@ Result<void> drawPolygon(gpu::Device& device, const SliceParams& p, const TexelC
                 {"samples", p.slabSamples},
                 {"nearest", p.interpolation == Interpolation::Nearest ? 1 : 0},
                 {"mode", static_cast<int>(p.slab.mode)}};
-  addValueUniforms(d.uniforms, code);
+  gpu::addTexelUniforms(d.uniforms, code);
   const VoxelPlane plane = voxelPlane(p, 0);
   addPositionUniforms(d.uniforms, plane, p.view.width_px, p.view.height_px);
   const glm::dvec3 deeper = p.slabSamples > 1 ? voxelPlane(p, 1).origin - plane.origin : glm::dvec3(0);
@@ -97,21 +74,6 @@ Result<void> drawPolygon(gpu::Device& device, const SliceParams& p, const TexelC
   return {};
 }
 
-// Why a 3-D texture cannot hold this volume; empty when it can.
-std::string refusal(const Volume& volume, const TexelCode& code, const Capabilities& c) {
-  const GridGeometry& g = volume.grid();
-  if (!g.even())
-    return "The slices are unevenly spaced or have gaps, and a 3-D texture knows even spacing only.";
-  const std::int64_t largest = std::max({g.columns, g.rows, g.slices});
-  if (largest > c.max3dTexture)
-    return "The volume has " + std::to_string(largest) + " voxels on a side; 3-D textures here take up to " +
-           std::to_string(c.max3dTexture) + ".";
-  if (code.bytes(g) > c.glTextureBudget_bytes)
-    return "The volume needs " + std::to_string(code.bytes(g) >> 20) + " MB as a texture and GL may hold " +
-           std::to_string(c.glTextureBudget_bytes >> 20) + " MB.";
-  return {};
-}
-
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
   Result<std::shared_ptr<const SliceParams>> params = sliceParams(layer, context);
   if (!params) return params.error();
@@ -119,13 +81,13 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   if (Result<void> r = checkDrawable(p, context.capabilities); !r) return r.error();
   const Result<TexelCode> code = texelCode(*p.volume);
   if (!code) return code.error();
-  if (std::string why = refusal(*p.volume, *code, context.capabilities); !why.empty())
+  if (std::string why = gpu::whyNotTexture3d(*p.volume, *code, context.capabilities); !why.empty())
     return makeError(ErrorCode::NoTechnique, std::move(why));
   if (p.slabSamples > kMostSamples)
     return makeError(ErrorCode::NoTechnique, "The slab needs " + std::to_string(p.slabSamples) +
                                                  " samples per pixel; GL here takes up to 4096.");
   const bool fixed =
-      context.quality.level == QualityLevel::Draft && mayUseFixedFunction(*p.volume, p.interpolation);
+      context.quality.level == QualityLevel::Draft && gpu::mayUseFixedFunction(*p.volume, p.interpolation);
 
   Pass pass;
   pass.name = "slice " + std::to_string(index);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What both GL techniques for slices share: how voxels become texels, the exact position of a pixel as
+// What both GL techniques for slices share: the exact position of a pixel as
 // uniforms, the accumulation target and its resolution into the Images.
 #pragma once
 #include <span>
@@ -10,37 +10,21 @@
 #include "SliceParams.h"
 #include "StripGeometry.h"
 #include "vernier/gpu/Device.h"
+#include "vernier/gpu/VolumeTexels.h"
 
 namespace vernier::mpr {
 
 std::string_view shaderText(std::string_view fileName);  // the files of shaders/
-// "#version 330 core", the defines, then the files one after the other.
+// "#version 330 core", the defines, then the files one after the other; "texels.glsl" is gpu's.
 std::string shaderOf(std::string_view defines, std::initializer_list<std::string_view> fileNames);
 
 VoxelPlane voxelPlane(const SliceParams&, int slabSample);
 
-// 8 and 16-bit voxels are R16 textures (on software renderers R8 is slower and filters in 8 bits); 32-bit
-// integers and floats are R32F, counted from the least value, NaN and padding as a number far outside.
-struct TexelCode {
-  gpu::Format format = gpu::Format::R16;
-  float scale = 65535.0f, bias = 0.0f;  // value = texel * scale - bias
-  double storedBias = 0;                // the stored value that becomes 0
-  double modalityAtBias = 0, slope = 1;
-  double modalityRange = 0;
-  float noDataFirst = 3.2e38f, noDataLast = 3.3e38f;  // none
-  std::uint64_t bytes(const GridGeometry& g) const;   // of the whole volume as textures
-};
-// An Error says why GL textures cannot hold these voxels exactly.
-Result<TexelCode> texelCode(const Volume&);
-// One slice as texels; `scratch` may hold them.
-std::span<const std::byte> slicedTexels(const Volume&, const TexelCode&, std::int64_t slice,
-                                        std::vector<std::byte>& scratch);
-bool mayUseFixedFunction(const Volume&, Interpolation);  // 8-bit weights; no padding, no shifted slices
+using gpu::TexelCode, gpu::texelCode;
 
 // Why GL cannot draw this slice at all: picture or coordinates beyond what its numbers hold.
 Result<void> checkDrawable(const SliceParams&, const Capabilities&);
 
-void addValueUniforms(std::vector<gpu::Uniform>&, const TexelCode&);
 // `deeper`: the step to the next slab sample, for shaders that loop over them.
 void addPositionUniforms(std::vector<gpu::Uniform>&, const VoxelPlane&, int width_px, int height_px);
 void addDeeperUniforms(std::vector<gpu::Uniform>&, glm::dvec3 deeper, int samples);

@@ -73,7 +73,8 @@ Result<std::shared_ptr<const gpu::Texture>> sliceTexture(gpu::Device& device, co
   const char* kind = code.format == gpu::Format::R16 ? "slice r16" : "slice r32f";
   return device.cache().get({kind, volume.revision(), slice}, [&] {
     return device.texture2d(code.format, static_cast<int>(volume.grid().columns),
-                            static_cast<int>(volume.grid().rows), slicedTexels(volume, code, slice, scratch));
+                            static_cast<int>(volume.grid().rows),
+                            gpu::slicedTexels(volume, code, slice, scratch));
   });
 }
 
@@ -103,10 +104,10 @@ class StripPainter {
 
   Result<void> draw(const std::vector<Strip>& strips, const gpu::Target& target, std::stop_token stop) {
     if (strips.empty()) return {};
-    auto program = device_.program(fixed_ ? "mpr strip, fixed-function" : "mpr strip",
-                                   shaderOf("", {"picture.vert.glsl"}),
-                                   fixed_ ? shaderOf("", {"value.glsl", "strip_fixed.frag.glsl"})
-                                          : shaderOf("", {"position.glsl", "value.glsl", "strip.frag.glsl"}));
+    auto program = device_.program(
+        fixed_ ? "mpr strip, fixed-function" : "mpr strip", shaderOf("", {"picture.vert.glsl"}),
+        fixed_ ? shaderOf("", {"texels.glsl", "strip_fixed.frag.glsl"})
+               : shaderOf("", {"position.glsl", "texels.glsl", "strip.frag.glsl"}));
     if (!program) return program.error();
     program_ = *program;
     Result<gpu::VertexData> vertices =
@@ -161,7 +162,7 @@ class StripPainter {
       d.uniforms = {{"size_px", glm::vec2(p_.view.width_px, p_.view.height_px)},
                     {"mode", static_cast<int>(p_.slab.mode)},
                     {"quantum", meanQuantum(code_)}};
-      addValueUniforms(d.uniforms, code_);
+      gpu::addTexelUniforms(d.uniforms, code_);
       addPositionUniforms(d.uniforms, s.plane, p_.view.width_px, p_.view.height_px);
       addStripUniforms(d.uniforms, p_, s);
       draws.push_back(std::move(d));
@@ -192,7 +193,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
                                                  std::to_string(g.rows) + "; GL textures here take up to " +
                                                  std::to_string(limit) + " per side.");
   const bool fixed =
-      context.quality.level == QualityLevel::Draft && mayUseFixedFunction(*p.volume, p.interpolation);
+      context.quality.level == QualityLevel::Draft && gpu::mayUseFixedFunction(*p.volume, p.interpolation);
   const std::vector<Strip> strips = allStrips(p, fixed ? Margin{} : kMargin);
   if (strips.size() > kMostStrips)
     return makeError(ErrorCode::NoTechnique,

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "vernier/gpu/VolumeTexels.h"
+
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
-#include "GlSlice.h"
+namespace vernier::gpu {
 
-namespace vernier::mpr {
+std::string_view embeddedShader(std::string_view fileName);  // the files of shaders/
+
 namespace {
 
 constexpr double kExactInFloat = 16777216.0;  // 2^24
@@ -62,7 +64,7 @@ void toR32F(const Volume& volume, double storedBias, const std::byte* from, std:
 
 std::uint64_t TexelCode::bytes(const GridGeometry& g) const {
   return static_cast<std::uint64_t>(g.columns) * static_cast<std::uint64_t>(g.rows) *
-         static_cast<std::uint64_t>(g.slices) * (format == gpu::Format::R16 ? 2u : 4u);
+         static_cast<std::uint64_t>(g.slices) * (format == Format::R16 ? 2u : 4u);
 }
 
 Result<TexelCode> texelCode(const Volume& v) {
@@ -88,7 +90,7 @@ Result<TexelCode> texelCode(const Volume& v) {
                        "The 32-bit values span more than 2^24, which GL textures cannot hold exactly.");
     if (!(std::abs(range.first) <= kLargestFloat && std::abs(range.last) <= kLargestFloat))
       return makeError(ErrorCode::NoTechnique, "The values are too large for GL textures (above 1e37).");
-    code.format = gpu::Format::R32F;
+    code.format = Format::R32F;
     code.scale = 0.0f;
     code.storedBias = v.type() == VoxelType::F32 ? range.first : std::nearbyint(range.first);
     code.noDataFirst = 1e38f, code.noDataLast = std::numeric_limits<float>::max();
@@ -104,7 +106,7 @@ std::span<const std::byte> slicedTexels(const Volume& v, const TexelCode& code, 
   const std::size_t n = static_cast<std::size_t>(v.grid().columns) * static_cast<std::size_t>(v.grid().rows);
   const std::byte* from = v.data() + static_cast<std::size_t>(slice) * n * bytesOf(v.type());
   if (v.type() == VoxelType::U16) return {from, 2 * n};
-  scratch.resize(n * (code.format == gpu::Format::R16 ? 2 : 4));
+  scratch.resize(n * (code.format == Format::R16 ? 2 : 4));
   auto* r16 = reinterpret_cast<std::uint16_t*>(scratch.data());
   auto* r32f = reinterpret_cast<float*>(scratch.data());
   switch (v.type()) {
@@ -138,10 +140,51 @@ bool mayUseFixedFunction(const Volume& v, Interpolation interpolation) {
                      [](const glm::dvec3& o) { return std::abs(o.x) + std::abs(o.y) < 1e-9; });
 }
 
-// 2^k with range / 2^k <= 4096: 4096 sums of 12-bit multiples stay within a float's 24 bits.
-float meanQuantum(const TexelCode& code) {
-  return code.modalityRange > 0 ? static_cast<float>(std::exp2(std::ceil(std::log2(code.modalityRange)) - 12))
-                                : 1.0f;
+std::string_view texelShader() { return embeddedShader("texels.glsl"); }
+
+void addTexelUniforms(std::vector<Uniform>& u, const TexelCode& code) {
+  u.push_back({"texelScale", code.scale});
+  u.push_back({"texelBias", code.bias});
+  u.push_back({"noDataFirst", code.noDataFirst});
+  u.push_back({"noDataLast", code.noDataLast});
+  u.push_back({"slope", static_cast<float>(code.slope)});
 }
 
-}  // namespace vernier::mpr
+std::string whyNotTexture3d(const Volume& volume, const TexelCode& code, const Capabilities& c) {
+  const GridGeometry& g = volume.grid();
+  if (!g.even())
+    return "The slices are unevenly spaced or have gaps, and a 3-D texture knows even spacing only.";
+  const std::int64_t largest = std::max({g.columns, g.rows, g.slices});
+  if (largest > c.max3dTexture)
+    return "The volume has " + std::to_string(largest) + " voxels on a side; 3-D textures here take up to " +
+           std::to_string(c.max3dTexture) + ".";
+  if (code.bytes(g) > c.glTextureBudget_bytes)
+    return "The volume needs " + std::to_string(code.bytes(g) >> 20) + " MB as a texture and GL may hold " +
+           std::to_string(c.glTextureBudget_bytes >> 20) + " MB.";
+  return {};
+}
+
+Result<std::shared_ptr<const Texture>> volumeTexture(Device& device, const Volume& volume,
+                                                     const TexelCode& code, std::stop_token stop) {
+  const GridGeometry& g = volume.grid();
+  if (code.bytes(g) > device.cache().limit())
+    return makeError(ErrorCode::OutOfMemory, "The volume needs " + std::to_string(code.bytes(g) >> 20) +
+                                                 " MB as a texture and GL may hold " +
+                                                 std::to_string(device.cache().limit() >> 20) + " MB.");
+  const char* kind = code.format == Format::R16 ? "volume r16" : "volume r32f";
+  return device.cache().get({kind, volume.revision(), 0}, [&]() -> Result<Texture> {
+    Result<Texture> t = device.texture3d(code.format, static_cast<int>(g.columns), static_cast<int>(g.rows),
+                                         static_cast<int>(g.slices));
+    if (!t) return t;
+    std::vector<std::byte> scratch;
+    for (std::int64_t k = 0; k < g.slices; ++k) {
+      if (stop.stop_requested()) return makeError(ErrorCode::Cancelled, "The volume's upload was cancelled.");
+      Result<void> r =
+          device.uploadSlices(*t, static_cast<int>(k), 1, slicedTexels(volume, code, k, scratch));
+      if (!r) return r.error();
+    }
+    return t;
+  });
+}
+
+}  // namespace vernier::gpu
