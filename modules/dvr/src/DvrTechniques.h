@@ -2,4 +2,9 @@
 #pragma once
 #include "vernier/plan/Technique.h"
 
-namespace vernier::dvr {}
+namespace vernier::dvr {
+
+Technique nativeVolumeTechnique(Host&);      // NativeVolume.cpp
+Technique nativeIsosurfaceTechnique(Host&);  // NativeIsosurface.cpp
+
+}  // namespace vernier::dvr

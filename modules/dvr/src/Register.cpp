@@ -4,6 +4,10 @@
 
 namespace vernier::dvr {
 
-Result<void> registerDvr(Host&) { return {}; }
+Result<void> registerDvr(Host& host) {
+  for (Technique (*make)(Host&) : {nativeVolumeTechnique, nativeIsosurfaceTechnique})
+    if (Result<void> added = host.addTechnique(make(host)); !added) return added;
+  return {};
+}
 
 }  // namespace vernier::dvr
