@@ -4,6 +4,8 @@
 
 namespace vernier::dvr {
 
+Technique nativeVolumeTechnique(Host&);      // NativeVolume.cpp
+Technique nativeIsosurfaceTechnique(Host&);  // NativeIsosurface.cpp
 Technique glRaysTechnique(Host&);  // GlRays.cpp
 
 // GlStacks.cpp

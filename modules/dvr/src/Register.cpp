@@ -5,8 +5,9 @@
 namespace vernier::dvr {
 
 Result<void> registerDvr(Host& host) {
-  for (Technique (*make)(Host&) : {glRaysTechnique, glStacksTechnique, glStacks2Technique, glStacks4Technique,
-                                   glUncorrectedStacksTechnique})
+  for (Technique (*make)(Host&) :
+       {nativeVolumeTechnique, nativeIsosurfaceTechnique, glRaysTechnique, glStacksTechnique, glStacks2Technique,
+        glStacks4Technique, glUncorrectedStacksTechnique})
     if (Result<void> added = host.addTechnique(make(host)); !added) return added;
   return {};
 }

@@ -10,23 +10,15 @@
 namespace vernier::native {
 namespace {
 
-// The extremes of one grey volume before the tools that end rays.
-Result<Images> extremes(const VolumeRenderJob& job, const Volume& volume, const SurfaceHits* ends,
-                        std::stop_token stop) {
+ProjectionJob projectionOf(const VolumeRenderJob& job, const Volume& volume) {
   ProjectionJob p;
-  p.volume = &volume, p.bounds = job.bounds;
-  p.camera = job.camera, p.region = job.region;
+  p.volume = &volume;
+  p.camera = job.camera, p.region = job.region, p.background = job.background;
   p.mode = job.mode == VolumeMode::Max ? ProjectionMode::Max : ProjectionMode::Min;
   p.interpolation = job.interpolation;
-  p.window = normalised(wholeRange(volume));
-  p.step_mm = job.step_mm, p.tools = ends;
+  p.step_mm = job.step_mm;
   p.exact = job.exact && whyNotExact(p).empty();
-  if (volume.isColour()) p.bounds = nullptr;
-  Images images;
-  images.values.resize(static_cast<std::size_t>(job.camera.width_px) *
-                       static_cast<std::size_t>(job.camera.height_px));
-  if (Result<void> drawn = drawProjection(p, images, stop); !drawn) return drawn.error();
-  return images;
+  return p;
 }
 
 // Only what ends rays: translucent tools weaken colours here, not values.
@@ -86,43 +78,56 @@ void eachPixel(std::size_t count, Fn&& fn) {
   });
 }
 
-}  // namespace
-
-Result<void> renderExtreme(const VolumeRenderJob& job, Images& images, std::stop_token stop) {
-  const std::size_t count =
-      static_cast<std::size_t>(job.camera.width_px) * static_cast<std::size_t>(job.camera.height_px);
-  images.width = job.camera.width_px, images.height = job.camera.height_px;
-  images.colour.resize(4 * count), images.depth.resize(count);
-  SurfaceHits ends;
-  if (job.tools) ends = endsOf(*job.tools);
-  const int channels = job.volume->isColour() ? 3 : 1;
-  std::vector<Images> found;
-  for (int c = 0; c < channels; ++c) {
-    Result<Images> one = extremes(job, channels == 1 ? *job.volume : job.volume->channel(c),
-                                  job.tools ? &ends : nullptr, stop);
-    if (!one) return one.error();
-    images.counters += one->counters;
-    found.push_back(*std::move(one));
+// Each channel is a projection of its own, with the gain as its window.
+Result<void> renderColours(const VolumeRenderJob& job, Images& images, std::stop_token stop) {
+  for (int c = 0; c < 3; ++c) {
+    ProjectionJob p = projectionOf(job, job.volume->channel(c));
+    const double white = 255 / std::max(job.gains[static_cast<std::size_t>(c)], 1e-12);
+    p.window = normalised({0.5 * white, white, VoiFunction::LinearExact, ""});
+    p.tools = job.tools;
+    Images one;
+    if (Result<void> drawn = drawProjection(p, one, stop); !drawn) return drawn;
+    images.counters += one.counters;
+    for (std::size_t n = 0; n < images.depth.size(); ++n) {
+      images.colour[4 * n + static_cast<std::size_t>(c)] = one.colour[4 * n + static_cast<std::size_t>(c)];
+      images.colour[4 * n + 3] = 1;
+    }
+    if (c == 0) images.depth = one.depth;
   }
-  if (channels == 1 && !images.values.empty()) images.values = found[0].values;
-  eachPixel(count, [&](std::size_t n) {
-    const bool data = !std::isnan(found[0].values[n]);
+  return {};
+}
+
+Result<void> renderGrey(const VolumeRenderJob& job, Images& images, std::stop_token stop) {
+  ProjectionJob p = projectionOf(job, *job.volume);
+  p.bounds = job.bounds;
+  p.window = normalised(wholeRange(*job.volume));
+  SurfaceHits ends;
+  if (job.tools) ends = endsOf(*job.tools), p.tools = &ends;
+  Images found;
+  found.values.resize(images.depth.size());
+  if (Result<void> drawn = drawProjection(p, found, stop); !drawn) return drawn;
+  images.counters += found.counters;
+  eachPixel(images.depth.size(), [&](std::size_t n) {
     Seen seen;
+    const bool data = !std::isnan(found.values[n]);
     if (data) {
-      seen.t_mm = static_cast<double>(found[0].depth[n]);
-      if (channels == 1) {
-        const double value = static_cast<double>(found[0].values[n]);
-        seen.colour = colourAt(*job.function, value), seen.opacity = opacityAt(*job.function, value);
-      } else {
-        for (std::size_t c = 0; c < 3; ++c)
-          seen.colour[static_cast<int>(c)] =
-              std::clamp(static_cast<double>(found[c].values[n]) / 255 * job.gains[c], 0.0, 1.0);
-        seen.opacity = 1;
-      }
+      const double value = static_cast<double>(found.values[n]);
+      seen.t_mm = static_cast<double>(found.depth[n]);
+      seen.colour = colourAt(*job.function, value), seen.opacity = opacityAt(*job.function, value);
     }
     put(job, n, seen, data, images);
   });
+  if (!images.values.empty()) images.values = std::move(found.values);
   return {};
+}
+
+}  // namespace
+
+Result<void> renderExtreme(const VolumeRenderJob& job, Images& images, std::stop_token stop) {
+  images.width = job.camera.width_px, images.height = job.camera.height_px;
+  const std::size_t count = static_cast<std::size_t>(images.width) * static_cast<std::size_t>(images.height);
+  images.colour.resize(4 * count), images.depth.resize(count);
+  return job.volume->isColour() ? renderColours(job, images, stop) : renderGrey(job, images, stop);
 }
 
 }  // namespace vernier::native

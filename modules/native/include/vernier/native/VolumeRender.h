@@ -16,8 +16,8 @@
 //   not shaded.
 // Max, Min: K + T a c + (1 - a) T' E: value, place and so T by Projection.h; a, c of the transfer function at
 // the value (a not scaled by any length); K: the translucent tools' colours, each weakened by those before it
-// and by 1 - a behind the extremum; T' and E: all tools and what ends the ray. Of colour volumes: the extreme
-// of each channel times its gain, clamped, then as if a were 1; without data the background.
+// and by 1 - a behind the extremum; T' and E: all tools and what ends the ray. Of colour volumes: each
+// channel as a projection of its own, whose grey is the channel times its gain.
 //
 // Two ways: in float by SIMD, 16 neighbouring rays at a time (even grids of U8, U16, I16 and F32, one
 // rescale, linear, Post or PreIntegrated; positions to 1e-6 voxel, transfer functions by tables), else in
