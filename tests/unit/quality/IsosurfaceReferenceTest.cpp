@@ -68,7 +68,8 @@ TEST(IsosurfaceReference, AFaceWhereTheRayBeginsWithin) {
   info.grid = gridOf(2, 4, 2);
   info.noData = NoDataRange{-5, -5};
   VolumeScene padded = volumeScene(
-      floatVolume(info, [](auto i, auto j, auto) { return j < 2 ? -5.0 : 1.0 + 10 * static_cast<double>(i); }),
+      floatVolume(info,
+                  [](auto i, auto j, auto) { return j < 2 ? -5.0 : 1.0 + 10 * static_cast<double>(i); }),
       isoAt(1));
   padded.scene.camera.height_mm = 1;
   expectPixel(padded, face, 1e-7);
@@ -100,14 +101,14 @@ TEST(IsosurfaceReference, ASphere) {
                        wz = c & 4 ? qz - fz : 1 - qz + fz;
           if (wx * wy * wz > 0)
             sum += wx * wy * wz *
-                   volume->modality(static_cast<std::int64_t>(fx) + (c & 1), static_cast<std::int64_t>(fy) + (c >> 1 & 1),
+                   volume->modality(static_cast<std::int64_t>(fx) + (c & 1),
+                                    static_cast<std::int64_t>(fy) + (c >> 1 & 1),
                                     static_cast<std::int64_t>(fz) + (c >> 2));
         }
         return sum;
       };
       double from = -1, to = -1;
-      for (double t = 0; t < 22.99 && to < 0; t += 0.01)
-        field(px, t, pz) >= 12 ? to = t : from = t;
+      for (double t = 0; t < 22.99 && to < 0; t += 0.01) field(px, t, pz) >= 12 ? to = t : from = t;
       const ReferencePixel got = pixelOf(s, x + 64 * y);
       if (to < 0) {
         EXPECT_TRUE(std::isnan(got.value));
@@ -118,7 +119,8 @@ TEST(IsosurfaceReference, ASphere) {
         (field(px, mid, pz) >= 12 ? to : from) = mid;
       }
       ++hits;
-      glm::dvec3 d(field(px + 1, to, pz) - field(px - 1, to, pz), field(px, to + 1, pz) - field(px, to - 1, pz),
+      glm::dvec3 d(field(px + 1, to, pz) - field(px - 1, to, pz),
+                   field(px, to + 1, pz) - field(px, to - 1, pz),
                    field(px, to, pz + 1) - field(px, to, pz - 1));
       d = glm::normalize(d);
       if (d.y > 0) d = -d;  // to the viewer, who looks along y
@@ -137,8 +139,8 @@ TEST(IsosurfaceReference, LightsByHand) {
   const double c = std::cos(std::numbers::pi / 6), h = std::sin(std::numbers::pi / 6);
   g.patientFromVoxel.linear = glm::dmat3(c, h, 0, -h, c, 0, 0, 0, 1) * g.patientFromVoxel.linear;
   for (const bool falling : {false, true}) {
-    VolumeScene s = volumeScene(floatVolume(g, [&](auto, auto j, auto) { return falling ? 7 - j : j; }),
-                                isoAt(3));
+    VolumeScene s =
+        volumeScene(floatVolume(g, [&](auto, auto j, auto) { return falling ? 7 - j : j; }), isoAt(3));
     s.scene.camera.height_mm = 1, s.scene.camera.distance_mm = 40;
     if (falling) s.scene.camera.azimuth_deg = 180;
     const glm::dvec3 eye(0, falling ? 1 : -1, 0), n = falling ? glm::dvec3(-h, c, 0) : glm::dvec3(h, -c, 0);
@@ -170,14 +172,16 @@ TEST(IsosurfaceReference, LightsByHand) {
 // Central differences along pieces as cubics and point by point are the same; positions are held at the box.
 TEST(IsosurfaceReference, GradientsAlongAPiece) {
   GridGeometry g = gridOf(5, 4, 6, {0.7, 1.1, 2});
-  const auto volume =
-      floatVolume(g, [](auto i, auto j, auto k) { return randomUnit(5, static_cast<std::uint64_t>(i + 5 * j + 20 * k)); });
+  const auto volume = floatVolume(g, [](auto i, auto j, auto k) {
+    return randomUnit(5, static_cast<std::uint64_t>(i + 5 * j + 20 * k));
+  });
   const Gradient gradient(*volume, Interpolation::Linear);
   Piece piece;
   for (std::uint64_t n = 0; n < 300; ++n) {
     const auto draw = [&](std::uint64_t k) { return randomUnit(n, k); };
     const glm::dvec3 cell(std::floor(4 * draw(0)), std::floor(3 * draw(1)), std::floor(5 * draw(2)));
-    const glm::dvec3 a = cell + glm::dvec3(draw(3), draw(4), draw(5)), b = cell + glm::dvec3(draw(6), draw(7), draw(8));
+    const glm::dvec3 a = cell + glm::dvec3(draw(3), draw(4), draw(5)),
+                     b = cell + glm::dvec3(draw(6), draw(7), draw(8));
     const RayPart part{piece, 0, 1, 0, a, b - a};
     const Gradient::Along along(gradient, part);
     for (double u : {0.0, 0.3, 1.0})

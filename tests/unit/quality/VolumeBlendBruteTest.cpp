@@ -70,9 +70,10 @@ struct Brute : BruteRay {
         if (light.towards) l = Colour(light.towards->v) / static_cast<Real>(glm::length(light.towards->v));
         const Colour h = l + v;
         const Real shine = glm::dot(n, h) / std::sqrt(glm::dot(h, h));
-        sum += Colour(light.colour.r, light.colour.g, light.colour.b) *
-               (static_cast<Real>(m.diffuse) * std::max<Real>(0, glm::dot(n, l)) * diffuse +
-                static_cast<Real>(m.specular) * std::pow(std::max<Real>(0, shine), static_cast<Real>(m.power)));
+        sum +=
+            Colour(light.colour.r, light.colour.g, light.colour.b) *
+            (static_cast<Real>(m.diffuse) * std::max<Real>(0, glm::dot(n, l)) * diffuse +
+             static_cast<Real>(m.specular) * std::pow(std::max<Real>(0, shine), static_cast<Real>(m.power)));
       }
     }
     for (int c = 0; c < 3; ++c) sum[c] = std::clamp<Real>(sum[c], 0, 1);

@@ -59,8 +59,8 @@ TEST(VolumeReference, PerspectiveAndTheEyeInside) {
   const double tau = -std::log(0.9);
   GridGeometry g = gridOf(9, 11, 9, {1, 1, 1});
   g.patientFromVoxel.translation = {-4, -5, -4};
-  VolumeScene s = volumeScene(floatVolume(g, [](auto, auto, auto) { return 7.0; }),
-                              layerOf(constantFunction(0.1)));
+  VolumeScene s =
+      volumeScene(floatVolume(g, [](auto, auto, auto) { return 7.0; }), layerOf(constantFunction(0.1)));
   s.view = {64, 64};
   Camera& camera = s.scene.camera;
   camera.projection = Projection::Perspective;
@@ -78,8 +78,8 @@ TEST(VolumeReference, PerspectiveAndTheEyeInside) {
   EXPECT_NEAR(at(40, 30), -std::expm1(-tau * lengthOf(40.5, 30.5, 2, 5)), 1e-12);
 }
 
-// v = y, a = v / 4, d0 = 1: light left up to y is exp of the integral of ln(1 - y/4), which is -4 (w ln w - w)
-// for w = 1 - y / 4. With a colour c = v / 3 the emission is parts of that, by integration by parts: C =
+// v = y, a = v / 4, d0 = 1: light left up to y is exp of the integral of ln(1 - y/4), which is -4 (w ln w -
+// w) for w = 1 - y / 4. With a colour c = v / 3 the emission is parts of that, by integration by parts: C =
 // [-c T] + integral of c' T.
 TEST(VolumeReference, ALinearFieldWithALinearOpacity) {
   TransferFunction f{{{0, {1, 0, 0.5}}, {3, {1, 1, 0.5}}}, {{0, 0}, {4, 1}}, 1};
@@ -123,7 +123,8 @@ TEST(VolumeReference, AGaussianTendsToItsIntegral) {
     g.patientFromVoxel.translation = glm::dvec3(-20);
     VolumeScene s = volumeScene(floatVolume(g,
                                             [&](auto i, auto j, auto k) {
-                                              const glm::dvec3 p = 40.0 / (n - 1) * glm::dvec3(i, j, k) - 20.0;
+                                              const glm::dvec3 p =
+                                                  40.0 / (n - 1) * glm::dvec3(i, j, k) - 20.0;
                                               return std::exp(-glm::dot(p, p) / (2 * sigma * sigma));
                                             }),
                                 layerOf(f));
@@ -137,9 +138,8 @@ TEST(VolumeReference, AGaussianTendsToItsIntegral) {
 
 // v = y. Clear below 1, then a half over 1 mm up to 2, then opaque and green.
 TEST(VolumeReference, StepsAndWhatIsOpaqueAtOnce) {
-  TransferFunction f{{{1, {1, 0, 0}}, {2, {1, 0, 0}}, {2, {0, 1, 0}}},
-                     {{1, 0}, {1, 0.5}, {2, 0.5}, {2, 1}},
-                     1};
+  TransferFunction f{
+      {{1, {1, 0, 0}}, {2, {1, 0, 0}}, {2, {0, 1, 0}}}, {{1, 0}, {1, 0.5}, {2, 0.5}, {2, 1}}, 1};
   VolumeScene s = ramp(f);
   s.scene.background = {0, 0, 1};
   expectPixel(s, {0.5, 0.5, 0}, 1e-13);
@@ -227,7 +227,8 @@ TEST(VolumeReference, ToolsInTheirOrder) {
 }
 
 TEST(VolumeReference, NearestIsConstantInEachCell) {
-  TransferFunction f{{{0, {1, 1, 1}}}, {{0.3, 0}, {0.3, 0.1}, {0.5, 0.1}, {0.5, 0.4}, {0.7, 0.4}, {0.7, 0.8}}, 1};
+  TransferFunction f{
+      {{0, {1, 1, 1}}}, {{0.3, 0}, {0.3, 0.1}, {0.5, 0.1}, {0.5, 0.4}, {0.7, 0.4}, {0.7, 0.8}}, 1};
   VolumeLayer layer = layerOf(f);
   layer.interpolation = Interpolation::Nearest;
   // 0.2 clear; 0.8 for 1 mm, 0.4 for 1 mm, 0.6 for half a mm.
@@ -240,8 +241,8 @@ TEST(VolumeReference, NoDataTakesNoPart) {
   info.grid = gridOf(2, 4, 2);
   info.noData = NoDataRange{-5, -5};
   TransferFunction f{{{0, {1, 1, 1}}}, {{0, 0}, {1, 1}}, 1};
-  VolumeScene s = volumeScene(
-      floatVolume(info, [](auto, auto j, auto) { return j == 2 ? -5.0 : 0.5; }), layerOf(f));
+  VolumeScene s =
+      volumeScene(floatVolume(info, [](auto, auto j, auto) { return j == 2 ? -5.0 : 0.5; }), layerOf(f));
   s.scene.camera.distance_mm = 11.5, s.scene.camera.height_mm = 1;
   expectPixel(s, glm::dvec3(1 - std::pow(0.5, 3)), 1e-6);
   // Two of them are missing: 1 mm without anything.
@@ -255,8 +256,8 @@ TEST(VolumeReference, UnevenSlicesAndGaps) {
   info.grid = gridOf(2, 2, 4);
   info.grid.sliceOrigin_vox = {{0, 0, 0}, {0, 0, 1}, {0, 0, 3}, {0, 0, 4}};
   info.grid.gapAfter = {1};
-  VolumeScene s = volumeScene(floatVolume(info, [](auto, auto, auto) { return 0.5; }),
-                              layerOf(constantFunction(0.5)));
+  VolumeScene s =
+      volumeScene(floatVolume(info, [](auto, auto, auto) { return 0.5; }), layerOf(constantFunction(0.5)));
   s.scene.camera.elevation_deg = 90;
   expectPixel(s, kOrange * (1 - std::pow(0.5, 3)), 1e-12);  // 4 mm but for 1 mm in the gap
   info.grid.gapAfter.clear();
