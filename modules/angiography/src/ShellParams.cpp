@@ -112,7 +112,9 @@ Result<std::shared_ptr<const ShellParams>> shellParams(const Layer& any, std::si
         "slices.");
   if (const Result<void> ok = checkBrightness(*given, index); !ok) return ok.error();
   ShellsLayer layer = *given;
-  layer.window = normalised(layer.window.value_or(wholeRange(volume)));
+  layer.window = layer.window.value_or(wholeRange(volume));
+  if (!usableWindow(*layer.window)) return invalid(index, "window", "The window needs a width above 0.");
+  layer.window = normalised(*layer.window);
   const Result<std::vector<double>> levels = levelsOf(layer, volume, store);
   if (!levels) return invalid(index, "levels", levels.error().sentence);
 
