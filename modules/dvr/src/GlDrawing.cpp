@@ -97,6 +97,17 @@ std::string shaderOf(const std::string& defines, std::initializer_list<std::stri
   return text;
 }
 
+std::string programName(std::string kind, const std::string& defines) {
+  constexpr std::string_view kDefine = "#define ";
+  for (std::size_t at = 0; (at = defines.find(kDefine, at)) != std::string::npos;) {
+    at += kDefine.size();
+    const std::string line = defines.substr(at, defines.find('\n', at) - at);
+    // Of a macro with a body of its own the name says enough.
+    kind += " " + (line.size() < 24 ? line : line.substr(0, line.find(' ')));
+  }
+  return kind;
+}
+
 Error drawingCancelled() { return makeError(ErrorCode::Cancelled, "Drawing the volume was cancelled."); }
 
 float signOfExtreme(const GlVolumeJob& job) {

@@ -25,7 +25,7 @@ Result<std::shared_ptr<const gpu::Program>> programOf(gpu::Device& device, const
   const bool classifies = !job.iso && !job.extreme();
   const auto text = [&](std::string_view file, bool wanted) { return wanted ? file : std::string_view(); };
   return device.program(
-      std::string("dvr ") + fragment + " " + d, shaderOf("", {"picture.vert.glsl"}),
+      programName(std::string("dvr ") + fragment, d), shaderOf("", {"picture.vert.glsl"}),
       shaderOf(d, {"ray.glsl", "value.glsl", text("classify.glsl", classifies), "volume.glsl",
                    text("light.glsl", job.shaded()), text("gradient.glsl", job.shaded()), fragment}));
 }

@@ -6,7 +6,7 @@ namespace vernier::dvr {
 
 Result<void> registerDvr(Host& host) {
   for (Technique (*make)(Host&) : {glRaysTechnique, glStacksTechnique, glStacks2Technique, glStacks4Technique,
-                                   glUncorrectedStacksTechnique})
+                                   glUncorrectedStacksTechnique, glSlabsTechnique, glStripsTechnique})
     if (Result<void> added = host.addTechnique(make(host)); !added) return added;
   return {};
 }
