@@ -64,8 +64,8 @@ Result<Sources> Session::Impl::sourcesFor(Session& session, const Scene& scene, 
     return {};
   };
   for (const Layer& layer : scene.layers) {
-    if (const std::string* source = volumeOf(layer)) {
-      if (const Result<void> r = take(*source); !r) return r.error();
+    if (const std::string* read = volumeOf(layer)) {
+      if (const Result<void> r = take(*read); !r) return r.error();
     } else if (const auto* image = std::get_if<ImageLayer>(&layer)) {
       const auto f = session.image(image->source, image->index);
       if (!f) return f.error();

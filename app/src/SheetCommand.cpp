@@ -6,6 +6,7 @@
 
 #include "Annotations.h"
 #include "OptionChecks.h"
+#include "OptionText.h"
 #include "Report.h"
 #include "vernier/picture/ContactSheet.h"
 #include "vernier/picture/Png.h"
@@ -45,33 +46,66 @@ Result<double> frame_ms(Session& session, const RenderRequest& r, double step, s
   return median(ms);
 }
 
-// Of the options of looks through a volume each view takes its own; ":cued" adds a depth cue.
-void keepOwn(const std::string& view, bool cued, VolumeOptions& o) {
-  const VolumeOptions given = std::exchange(o, {});
+bool rendersVolume(const std::string& view) { return view.starts_with("dvr") || view == "iso"; }
+
+// Of the options of looks through a volume each view takes its own.
+void keepOwn(const std::string& view, ViewOptions& o) {
+  const VolumeOptions given = std::exchange(o.volume, {});
   if (view.starts_with("shells")) {
-    o = given;
-    o.cue.reset(), o.gain_perMm.reset();
-    if (cued) o.a = 0.6, o.b = 0.4;
+    o.volume = given;
+    o.volume.cue.reset(), o.volume.gain_perMm.reset();
   }
-  if (view == "mip") o.cue = cued ? std::optional(0.6) : given.cue;
-  if (view == "sum" || view == "attenuation") o.gain_perMm = given.gain_perMm;
+  if (view == "mip") o.volume.cue = given.cue;
+  if (view == "sum" || view == "attenuation") o.volume.gain_perMm = given.gain_perMm;
+  RenderingOptions rendering = std::exchange(o.rendering, {});
+  if (view == "iso") {
+    o.rendering.iso = rendering.iso, o.rendering.combiner = rendering.combiner;
+    o.rendering.lights = rendering.lights;
+  } else if (rendersVolume(view)) {
+    o.rendering = rendering;
+    o.rendering.iso.reset();
+    if (view == "dvr") o.rendering.lights.clear(), o.rendering.shading.clear();
+  }
 }
 
-// "oblique:cubic" is the view oblique with cubic interpolation, "mip:cued" a depth-cued maximum.
+// One word after a view's colon; false: it has no meaning there.
+bool applyWord(const std::string& view, const std::string& word, ViewOptions& o) {
+  if (word == "nearest" || word == "linear" || word == "cubic") {
+    o.interpolation = word;
+  } else if (word == "cued" && view == "mip") {
+    o.volume.cue = 0.6;
+  } else if (word == "cued" && view.starts_with("shells")) {
+    o.volume.a = 0.6, o.volume.b = 0.4;
+  } else if (rendersVolume(view) && word.find('.') != std::string::npos) {
+    o.technique = word;
+  } else if (rendersVolume(view) && (word == "x1" || word == "x2" || word == "x4" || word == "x8")) {
+    o.quality = "draft", o.step = 1.0 / (word[1] - '0');
+  } else if (view == "dvr-shaded" && (word == "global-ambient" || word == "colour-per-voxel")) {
+    o.rendering.shading = word;
+  } else if ((view == "dvr-shaded" || view == "iso") && word == "two-lights") {
+    o.rendering.lights = {"-1,-1,0.5", "1,-0.2,0.3,0.25,0.45,1"};  // a white one and a blue one
+  } else {
+    return false;
+  }
+  return true;
+}
+
+// "oblique:cubic" is the view oblique with cubic interpolation, "mip:cued" a depth-cued maximum,
+// "dvr:dvr.stacks+x2" a technique at half the step.
 Result<ViewOptions> optionsFor(const Options& o, const std::string& name) {
   ViewOptions one = o.view;
   const std::size_t colon = name.find(':');
   const std::string view = one.view = name.substr(0, colon);
-  const std::string how = colon == std::string::npos ? "" : name.substr(colon + 1);
-  const bool cued = how == "cued" && (view == "mip" || view.starts_with("shells"));
-  if (how == "nearest" || how == "linear" || how == "cubic")
-    one.interpolation = how;
-  else if (!how.empty() && !cued)
-    return makeError(ErrorCode::OptionInvalid,
-                     "'" + name +
-                         "' is no view; after the colon stands nearest, linear or cubic, or, of mip and "
-                         "shells, cued.",
-                     "--views");
+  keepOwn(view, one);
+  if (colon != std::string::npos)
+    for (const std::string& word : split(name.substr(colon + 1), '+'))
+      if (!applyWord(view, word, one))
+        return makeError(
+            ErrorCode::OptionInvalid,
+            "'" + name +
+                "' is no view; after the colon stands nearest, linear or cubic; of mip and shells "
+                "cued; of dvr, dvr-shaded and iso a technique, x1 to x8, two-lights or a shading.",
+            "--views");
   const bool free =
       view == "oblique" || view == "slab";  // each option goes to the views that have a use for it
   if (free || view == "curved") one.slice.reset();
@@ -79,7 +113,6 @@ Result<ViewOptions> optionsFor(const Options& o, const std::string& name) {
   if (view != "slab") one.slab_mm.reset(), one.slabMode.clear();
   if (view != "curved") one.path.clear(), one.form.clear(), one.pathUp.clear(), one.width_mm.reset();
   if (view == "stack" && one.interpolation == "cubic") one.interpolation.clear();
-  keepOwn(view, cued, one.volume);
   return one;
 }
 
@@ -156,7 +189,8 @@ Command addSheet(CLI::App& app, GlobalOptions& global) {
   sub->add_option("--out", o->out, "Contact sheet, PNG")->required();
   sub->add_option("--title", o->title, "Title of the sheet");
   sub->add_option("--views", o->views,
-                  "Views, in order; oblique:cubic for another interpolation, mip:cued for a depth cue")
+                  "Views, in order; oblique:cubic for another interpolation, mip:cued for a depth cue, "
+                  "dvr:TECHNIQUE+x2 for a technique at half the step, iso:two-lights")
       ->delimiter(',');
   sub->add_option("--columns", o->columns, "Pictures in a row")->check(CLI::Range(1, 20));
   sub->footer(
@@ -164,7 +198,8 @@ Command addSheet(CLI::App& app, GlobalOptions& global) {
       "  vernier sheet STUDY --out sheet.png --preset brain\n"
       "  vernier sheet STUDY --out sheet.png --views axial,oblique,oblique:cubic,curved --path "
       "\"0,0,-40;9,2,0;0,5,40\"\n"
-      "  vernier sheet STUDY --out looks.png --views mip,mip:cued,shells,shells-sum,sum --surface screw.stl");
+      "  vernier sheet STUDY --out looks.png --views mip,mip:cued,shells,shells-sum,sum --surface screw.stl\n"
+      "  vernier sheet STUDY --out dvr.png --views dvr,dvr-shaded,iso:two-lights,dvr:dvr.native+x2");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 

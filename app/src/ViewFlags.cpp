@@ -66,6 +66,11 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
   sub.add_option("--max-error", o.maxError,
                  "Largest error wanted, in levels of 255; exit 4 when it is not reached")
       ->check(finiteAboveZero());
+  sub.add_option(
+         "--step", o.step,
+         "First sampling step along rays, in smallest voxel spacings (absent: 1); draft keeps it, review "
+         "and reference halve it until their goal is met")
+      ->check(CLI::Range(1.0 / 32, 1.0));
   sub.add_option("--min-fps", o.minFps, "Frames per second wanted")->check(finiteAboveZero());
   sub.add_option("--error-samples", o.errorSamples, "Pixels that the error is measured at")
       ->check(CLI::Range(1, 100'000'000))

@@ -244,6 +244,7 @@ Result<RenderRequest> makeRequest(Session& session, const ViewOptions& given, co
   r.quality.level = o.quality == "draft"       ? QualityLevel::Draft
                     : o.quality == "reference" ? QualityLevel::Reference
                                                : QualityLevel::Review;
+  r.quality.step = o.step.value_or(1.0);
   r.quality.maxError = o.maxError;
   r.quality.minFps = o.minFps;
   r.options.measure = !o.noError;

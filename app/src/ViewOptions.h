@@ -35,7 +35,7 @@ struct ViewOptions {
   VolumeOptions volume;
   RenderingOptions rendering;
   std::string engine, technique, quality = "review";
-  std::optional<double> maxError, minFps;
+  std::optional<double> maxError, minFps, step;
   int errorSamples = 1024;
   std::uint64_t seed = 1;
   bool noError = false, bridge = false;

@@ -91,11 +91,11 @@ TEST_F(Cli, ASceneThatNeedsAnAbsentPluginIsKeptAndSaysSo) {
   write(
       "scene.json",
       R"({"schema": 1, "layers": [{"kind": "slice", "source": "", "plane": {"point": [0,0,0], "normal": [0,0,-1], "up": [0,-1,0]}},
-            {"kind": "volume", "opacities": [100, 200], "source": ""}]})");
+            {"kind": "acme.flow", "opacities": [100, 200], "source": ""}]})");
   const ProgramRun r = vernier(
       {"render", study, "--scene", path("scene.json"), "--out", path("o.png"), "--report", path("r.json")});
   EXPECT_EQ(r.exitCode, 0) << show(r);
-  EXPECT_NE(r.err.find("needs plugin dvr"), std::string::npos) << show(r);
+  EXPECT_NE(r.err.find("needs plugin acme"), std::string::npos) << show(r);
   EXPECT_NE(readFile(path("r.json")).find("\"opacities\""), std::string::npos)
       << "the layer is kept verbatim";
 }

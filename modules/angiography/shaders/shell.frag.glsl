@@ -2,6 +2,9 @@
 in float depth_mm;
 in vec3 place_mm;
 uniform float phi;
+#ifdef LIT
+uniform float number;  // of the shell, from 1: its light comes from the field once the picture is read
+#endif
 #ifdef FOG
 in float fogTimesW;
 #endif
@@ -43,7 +46,7 @@ void main() {
   if (through * brightness(phi, depth_mm) < texelFetch(greatest, ivec2(gl_FragCoord.xy), 0).r - 1.0e-6) discard;
   crossing = vec4(-depth_mm, 0.0, 0.0, 1.0);
 #elif defined(LIT)
-  crossing = vec4(headlight(place_mm, eye_mm.w > 0.5 ? place_mm - eye_mm.xyz : eye_mm.xyz), depth_mm, 0.0, 1.0);
+  crossing = vec4(headlight(place_mm, eye_mm.w > 0.5 ? place_mm - eye_mm.xyz : eye_mm.xyz), depth_mm, number, 1.0);
 #elif defined(FOG)
   // The paper's other way: full brightness, and a fog that is linear in the picture.
   crossing = vec4(through * (projected != 0 ? fogTimesW / depth_mm : fogTimesW), depth_mm, 0.0, 1.0);

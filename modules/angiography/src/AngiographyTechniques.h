@@ -7,6 +7,7 @@
 namespace vernier::angiography {
 Technique sampledProjectionTechnique(Host&);
 Technique exactProjectionTechnique(Host&);
+Technique glProjectionTechnique(Host&);
 
 struct ShellStore;
 Technique nativeShellsTechnique(std::shared_ptr<ShellStore>);

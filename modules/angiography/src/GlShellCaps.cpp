@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "GlShellDrawing.h"
+#include "vernier/base/Threads.h"
 
 namespace vernier::angiography {
 
@@ -76,6 +77,26 @@ double GlDrawing::depthOf(std::size_t pixel, const std::vector<float>& seen,
   return texel(seen, 1);
 }
 
+void GlDrawing::composePixel(int x, int y, const std::vector<float>& seen, const std::vector<float>& winners,
+                             Images& images) const {
+  const std::size_t p = at(x, y);
+  const double weight = static_cast<double>(seen[4 * p + 3]);
+  native::ShellPixel pixel;
+  pixel.hit = weight > 0;
+  pixel.value = static_cast<double>(seen[4 * p]);
+  pixel.t_mm = depthOf(p, seen, winners) * perDepth(x, y);
+  // Lit: which shell it is, from 1; caps have 0 and their own light.
+  if (const float shell = seen[4 * p + 2]; pixel.hit && job_.mode == ShellsMode::Lit && shell > 0)
+    pixel.value = native::litShare(job_, static_cast<std::size_t>(shell) - 1, x + 0.5, y + 0.5, pixel.t_mm,
+                                   pixel.value);
+  const native::ToolsOnRay tools = toolsOn(p);
+  const glm::dvec3 colour = native::shellColour(job_, pixel, tools);
+  for (int c = 0; c < 3; ++c)
+    images.colour[4 * p + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
+  images.colour[4 * p + 3] = 1;
+  images.depth[p] = static_cast<float>(native::shownAt_mm(job_, pixel, tools));
+}
+
 Result<void> GlDrawing::compose(Images& images) {
   images.width = width_, images.height = height_;
   images.colour.resize(4 * pixels());
@@ -87,23 +108,10 @@ Result<void> GlDrawing::compose(Images& images) {
     winners.resize(4 * pixels());
     if (Result<void> r = device_.read(*winners_, 0, winners); !r) return r;
   }
-  for (int y = 0; y < height_; ++y)
-    for (int x = 0; x < width_; ++x) {
-      const std::size_t p = at(x, y);
-      const double weight = static_cast<double>(seen[4 * p + 3]);
-      native::ShellPixel pixel;
-      pixel.hit = weight > 0;
-      pixel.value = static_cast<double>(seen[4 * p]);
-      pixel.t_mm = depthOf(p, seen, winners) * perDepth(x, y);
-      const native::ToolsOnRay tools = toolsOn(p);
-      const glm::dvec3 colour = native::shellColour(job_, pixel, tools);
-      for (int c = 0; c < 3; ++c)
-        images.colour[4 * p + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
-      images.colour[4 * p + 3] = 1;
-      images.depth[p] = pixel.hit      ? static_cast<float>(pixel.t_mm)
-                        : tools.ends() ? static_cast<float>(tools.end_mm)
-                                       : kNothing_mm;
-    }
+  parallelFor(static_cast<std::size_t>(height_), 8, [&](std::size_t begin, std::size_t end) {
+    for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+      for (int x = 0; x < width_; ++x) composePixel(x, y, seen, winners, images);
+  });
   return {};
 }
 

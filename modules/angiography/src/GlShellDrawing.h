@@ -74,6 +74,8 @@ class GlDrawing {
   Result<void> drawWinners();
   Result<void> drawCaps();
   Result<void> compose(Images&);
+  void composePixel(int x, int y, const std::vector<float>& seen, const std::vector<float>& winners,
+                    Images&) const;
   void addShell(std::vector<gpu::Draw>&, const gpu::Program&, std::size_t shell);
   void addToolDepth(std::vector<gpu::Draw>&, std::size_t shell);
   Result<std::shared_ptr<const gpu::VertexData>> buffers(const Mesh&, const PatientFromMesh&, bool posed);

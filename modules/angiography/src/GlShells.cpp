@@ -140,6 +140,7 @@ void GlDrawing::addShell(std::vector<gpu::Draw>& draws, const gpu::Program& prog
   const double phi = job_.shells[shell].phi;
   d.uniforms.push_back({"zStar", zStarOf(shell)});
   d.uniforms.push_back({"phi", static_cast<float>(phi)});
+  d.uniforms.push_back({"number", static_cast<float>(shell + 1)});
   d.uniforms.push_back(
       {"fog", glm::vec2(phi * (job_.beta0 + job_.betaM * job_.b), phi * job_.betaM * job_.a)});
   static constexpr std::array kNames{"toolEnd_mm",  "toolLayers0", "toolLayers1",

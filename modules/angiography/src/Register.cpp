@@ -8,8 +8,8 @@ namespace vernier::angiography {
 Result<void> registerAngiography(Host& host) {
   const auto store = std::make_shared<ShellStore>(host);
   for (Technique t :
-       {sampledProjectionTechnique(host), exactProjectionTechnique(host), nativeShellsTechnique(store),
-        glShellsTechnique(host, store), glMaxShellsTechnique(host, store)})
+       {sampledProjectionTechnique(host), exactProjectionTechnique(host), glProjectionTechnique(host),
+        nativeShellsTechnique(store), glShellsTechnique(host, store), glMaxShellsTechnique(host, store)})
     if (Result<void> r = host.addTechnique(std::move(t)); !r) return r;
   return {};
 }

@@ -93,6 +93,7 @@ std::string ShellParams::dump() const {
   s += ", pixel " + number(job.camera.mmPerPixel()) + " mm";
   if (native::isCut(job)) s += ", cut open";
   if (!job.tools.empty()) s += "; " + std::to_string(job.tools.size()) + " tools";
+  if (!job.tools.empty() && job.surfaceBlend == SurfaceBlend::Max) s += ", the brighter";
   return s;
 }
 
@@ -128,6 +129,7 @@ Result<std::shared_ptr<const ShellParams>> shellParams(const Layer& any, std::si
   job.mode = layer.mode;
   job.beta0 = layer.beta0, job.betaM = layer.betaM, job.a = layer.a, job.b = layer.b, job.phi0 = layer.phi0;
   job.colour = {layer.colour.r, layer.colour.g, layer.colour.b};
+  job.surfaceBlend = layer.surfaceBlend;
   job.background = {context.scene.background.r, context.scene.background.g, context.scene.background.b};
   job.tools = context.tools;
   std::vector<double> enabled;

@@ -32,10 +32,7 @@ void addCamera(std::vector<gpu::Uniform>& u, const GlVolumeJob& job) {
 
 void addValues(std::vector<gpu::Uniform>& u, const GlVolumeJob& job) {
   const gpu::TexelCode& code = job.code;
-  u.push_back({"texelScale", code.scale});
-  u.push_back({"texelBias", code.bias});
-  u.push_back({"noDataFirst", code.noDataFirst});
-  u.push_back({"noDataLast", code.noDataLast});
+  gpu::addTexelUniforms(u, code);
   u.push_back({"gains", glm::vec4(glm::dvec4(job.gains[0], job.gains[1], job.gains[2], job.gains[3]))});
   u.push_back({"sign_", signOfExtreme(job)});
   u.push_back({"level", static_cast<float>((job.level - code.modalityAtBias) / code.slope)});
@@ -93,7 +90,11 @@ glm::vec2 entryOf(const gpu::TexelCode& code, double least, double greatest, int
 
 std::string shaderOf(const std::string& defines, std::initializer_list<std::string_view> files) {
   std::string text = "#version 330 core\n" + defines;
-  for (const std::string_view file : files) text += shaderText(file);
+  for (const std::string_view file : files) {
+    // What turns texels into values is module gpu's.
+    if (file == "value.glsl") text += gpu::texelShader();
+    text += shaderText(file);
+  }
   return text;
 }
 

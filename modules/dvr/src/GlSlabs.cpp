@@ -138,7 +138,7 @@ class SlabPainter {
     if (!kind_.strips)
       return take(job_.shaded() ? gradientVolume(device_, v, job_.code, slab.first, slab.count,
                                                  GradientLength::PerMm, stop_)
-                                : gpu::volumeTexture(device_, v, job_.code, slab.first, slab.count, stop_));
+                                : gpu::slabTexture(device_, v, job_.code, slab.first, slab.count, stop_));
     for (const std::int64_t k : {slab.first, slab.first + 1})
       if (Result<void> r =
               take(job_.shaded() ? gradientPlane(device_, v, job_.code, 2, k, GradientLength::PerMm)
@@ -223,10 +223,7 @@ class SlabPainter {
 Error cannot(std::string why) { return makeError(ErrorCode::NoTechnique, std::move(why)); }
 
 std::uint64_t bytesOfSlice(const GlVolumeJob& job) {
-  const std::uint64_t texel = job.shaded()                          ? kGradientBytes
-                              : job.volume->isColour()              ? 4
-                              : job.code.format == gpu::Format::R16 ? 2
-                                                                    : 4;
+  const std::uint64_t texel = job.shaded() ? kGradientBytes : gpu::bytesOfTexel(*job.volume, job.code);
   return texel * static_cast<std::uint64_t>(job.volume->grid().columns * job.volume->grid().rows);
 }
 

@@ -224,10 +224,7 @@ Result<void> checkStack(const GlVolumeJob& job, const StackKind& kind, const Cap
 
 std::uint64_t bytesOfStack(const GlVolumeJob& job) {
   const GridGeometry& g = job.volume->grid();
-  const std::uint64_t texel = job.shaded()                          ? kGradientBytes
-                              : job.volume->isColour()              ? 4
-                              : job.code.format == gpu::Format::R16 ? 2
-                                                                    : 4;
+  const std::uint64_t texel = job.shaded() ? kGradientBytes : gpu::bytesOfTexel(*job.volume, job.code);
   return texel * static_cast<std::uint64_t>(g.columns * g.rows * g.slices);
 }
 

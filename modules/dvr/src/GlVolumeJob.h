@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "vernier/gpu/VolumeTexels.h"
+#include "vernier/gpu/VolumePlanes.h"
 #include "vernier/plan/Volumetric.h"
 #include "vernier/volume/TransferTable.h"
 

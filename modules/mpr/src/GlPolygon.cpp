@@ -40,9 +40,9 @@ Result<void> drawPolygon(gpu::Device& device, const SliceParams& p, const TexelC
   auto program = device.program(fixed ? "mpr polygon, fixed-function" : "mpr polygon",
                                 shaderOf("", {"picture.vert.glsl"}),
                                 shaderOf(fixed ? "#define DEEPER\n#define FIXED\n" : "#define DEEPER\n",
-                                         {"position.glsl", "value.glsl", "polygon.frag.glsl"}));
+                                         {"position.glsl", "texels.glsl", "polygon.frag.glsl"}));
   if (!program) return program.error();
-  auto texture = gpu::volumeTexture(device, *p.volume, code, 0, p.volume->grid().slices, stop);
+  auto texture = gpu::volumeTexture(device, *p.volume, code, stop);
   if (!texture) return texture.error();
   Result<gpu::VertexData> vertices = device.vertices(vertexFloats(outline), kVertexLayout);
   if (!vertices) return vertices.error();
@@ -57,7 +57,7 @@ Result<void> drawPolygon(gpu::Device& device, const SliceParams& p, const TexelC
                 {"samples", p.slabSamples},
                 {"nearest", p.interpolation == Interpolation::Nearest ? 1 : 0},
                 {"mode", static_cast<int>(p.slab.mode)}};
-  addValueUniforms(d.uniforms, code);
+  gpu::addTexelUniforms(d.uniforms, code);
   const VoxelPlane plane = voxelPlane(p, 0);
   addPositionUniforms(d.uniforms, plane, p.view.width_px, p.view.height_px);
   const glm::dvec3 deeper = p.slabSamples > 1 ? voxelPlane(p, 1).origin - plane.origin : glm::dvec3(0);
@@ -74,29 +74,14 @@ Result<void> drawPolygon(gpu::Device& device, const SliceParams& p, const TexelC
   return {};
 }
 
-// Why a 3-D texture cannot hold this volume; empty when it can.
-std::string refusal(const Volume& volume, const TexelCode& code, const Capabilities& c) {
-  const GridGeometry& g = volume.grid();
-  if (!g.even())
-    return "The slices are unevenly spaced or have gaps, and a 3-D texture knows even spacing only.";
-  const std::int64_t largest = std::max({g.columns, g.rows, g.slices});
-  if (largest > c.max3dTexture)
-    return "The volume has " + std::to_string(largest) + " voxels on a side; 3-D textures here take up to " +
-           std::to_string(c.max3dTexture) + ".";
-  if (code.bytes(g) > c.glTextureBudget_bytes)
-    return "The volume needs " + std::to_string(code.bytes(g) >> 20) + " MB as a texture and GL may hold " +
-           std::to_string(c.glTextureBudget_bytes >> 20) + " MB.";
-  return {};
-}
-
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
   Result<std::shared_ptr<const SliceParams>> params = sliceParams(layer, context);
   if (!params) return params.error();
   const SliceParams& p = **params;
   if (Result<void> r = checkDrawable(p, context.capabilities); !r) return r.error();
-  const Result<TexelCode> code = gpu::texelCode(*p.volume);
+  const Result<TexelCode> code = texelCode(*p.volume);
   if (!code) return code.error();
-  if (std::string why = refusal(*p.volume, *code, context.capabilities); !why.empty())
+  if (std::string why = gpu::whyNotTexture3d(*p.volume, *code, context.capabilities); !why.empty())
     return makeError(ErrorCode::NoTechnique, std::move(why));
   if (p.slabSamples > kMostSamples)
     return makeError(ErrorCode::NoTechnique, "The slab needs " + std::to_string(p.slabSamples) +
@@ -124,7 +109,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
 Result<void> execute(Host& host, const Pass& pass, Images& images, std::stop_token stop) {
   const auto* p = dynamic_cast<const SliceParams*>(pass.params.get());
   if (!p) return makeError(ErrorCode::Internal, "The pass has no slice parameters.", "mpr.polygon");
-  const Result<TexelCode> code = gpu::texelCode(*p->volume);
+  const Result<TexelCode> code = texelCode(*p->volume);
   if (!code) return code.error();
   Result<gpu::Device*> device = host.glDevice();
   if (!device) return device.error();

@@ -56,7 +56,8 @@ constexpr std::array<float, 28> wholePicture(float w, float h) {
 std::string shaderOf(std::string_view defines, std::initializer_list<std::string_view> fileNames) {
   std::string text = "#version 330 core\n";
   text += defines;
-  for (const std::string_view name : fileNames) text += shaderText(name);
+  for (const std::string_view name : fileNames)
+    text += name == "texels.glsl" ? gpu::texelShader() : shaderText(name);
   return text;
 }
 
@@ -93,14 +94,6 @@ Result<void> checkDrawable(const SliceParams& p, const Capabilities& c) {
   return {};
 }
 
-void addValueUniforms(std::vector<gpu::Uniform>& u, const TexelCode& code) {
-  u.push_back({"texelScale", code.scale});
-  u.push_back({"texelBias", code.bias});
-  u.push_back({"noDataFirst", code.noDataFirst});
-  u.push_back({"noDataLast", code.noDataLast});
-  u.push_back({"slope", static_cast<float>(code.slope)});
-}
-
 void addPositionUniforms(std::vector<gpu::Uniform>& u, const VoxelPlane& plane, int width_px, int height_px) {
   const glm::dvec3 origin = plane.at({0.5, 0.5});  // of the first pixel's centre
   const glm::dvec3 whole = glm::floor(origin);
@@ -113,6 +106,12 @@ void addPositionUniforms(std::vector<gpu::Uniform>& u, const VoxelPlane& plane, 
   u.push_back({"downTail", down.tail});
 }
 
+// 2^k with range / 2^k <= 4096: 4096 sums of 12-bit multiples stay within a float's 24 bits.
+float meanQuantum(const TexelCode& code) {
+  return code.modalityRange > 0 ? static_cast<float>(std::exp2(std::ceil(std::log2(code.modalityRange)) - 12))
+                                : 1.0f;
+}
+
 void addDeeperUniforms(std::vector<gpu::Uniform>& u, glm::dvec3 deeper, int samples) {
   const Split split = splitFor(deeper, samples);
   u.push_back({"deeperHead", split.head});
@@ -122,12 +121,6 @@ void addDeeperUniforms(std::vector<gpu::Uniform>& u, glm::dvec3 deeper, int samp
 glm::vec2 wholeAndPart(double v) {
   const double whole = std::floor(v);
   return {static_cast<float>(whole), static_cast<float>(v - whole)};
-}
-
-// 2^k with range / 2^k <= 4096: 4096 sums of 12-bit multiples stay within a float's 24 bits.
-float meanQuantum(const TexelCode& code) {
-  return code.modalityRange > 0 ? static_cast<float>(std::exp2(std::ceil(std::log2(code.modalityRange)) - 12))
-                                : 1.0f;
 }
 
 Result<gpu::Target> accumulationTarget(gpu::Device& device, const SliceParams& p) {

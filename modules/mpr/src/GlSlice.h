@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What both GL techniques for slices share: how voxels become texels, the exact position of a pixel as
+// What both GL techniques for slices share: the exact position of a pixel as
 // uniforms, the accumulation target and its resolution into the Images.
 #pragma once
 #include <span>
@@ -9,22 +9,22 @@
 
 #include "SliceParams.h"
 #include "StripGeometry.h"
+#include "vernier/gpu/Device.h"
 #include "vernier/gpu/VolumeTexels.h"
 
 namespace vernier::mpr {
 
 std::string_view shaderText(std::string_view fileName);  // the files of shaders/
-// "#version 330 core", the defines, then the files one after the other.
+// "#version 330 core", the defines, then the files one after the other; "texels.glsl" is gpu's.
 std::string shaderOf(std::string_view defines, std::initializer_list<std::string_view> fileNames);
 
 VoxelPlane voxelPlane(const SliceParams&, int slabSample);
 
-using gpu::TexelCode;
+using gpu::TexelCode, gpu::texelCode;
 
 // Why GL cannot draw this slice at all: picture or coordinates beyond what its numbers hold.
 Result<void> checkDrawable(const SliceParams&, const Capabilities&);
 
-void addValueUniforms(std::vector<gpu::Uniform>&, const TexelCode&);
 // `deeper`: the step to the next slab sample, for shaders that loop over them.
 void addPositionUniforms(std::vector<gpu::Uniform>&, const VoxelPlane&, int width_px, int height_px);
 void addDeeperUniforms(std::vector<gpu::Uniform>&, glm::dvec3 deeper, int samples);

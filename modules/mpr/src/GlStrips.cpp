@@ -67,6 +67,17 @@ std::vector<float> vertexFloats(const std::vector<Strip>& strips, const GridGeom
   return out;
 }
 
+Result<std::shared_ptr<const gpu::Texture>> sliceTexture(gpu::Device& device, const Volume& volume,
+                                                         const TexelCode& code, std::int64_t slice,
+                                                         std::vector<std::byte>& scratch) {
+  const char* kind = code.format == gpu::Format::R16 ? "slice r16" : "slice r32f";
+  return device.cache().get({kind, volume.revision(), slice}, [&] {
+    return device.texture2d(code.format, static_cast<int>(volume.grid().columns),
+                            static_cast<int>(volume.grid().rows),
+                            gpu::slicedTexels(volume, code, slice, scratch));
+  });
+}
+
 void addStripUniforms(std::vector<gpu::Uniform>& u, const SliceParams& p, const Strip& s) {
   const GridGeometry& g = p.volume->grid();
   const glm::dvec2 shift0 = shiftOf(g, s.part.first), shift1 = shiftOf(g, s.part.second);
@@ -93,10 +104,10 @@ class StripPainter {
 
   Result<void> draw(const std::vector<Strip>& strips, const gpu::Target& target, std::stop_token stop) {
     if (strips.empty()) return {};
-    auto program = device_.program(fixed_ ? "mpr strip, fixed-function" : "mpr strip",
-                                   shaderOf("", {"picture.vert.glsl"}),
-                                   fixed_ ? shaderOf("", {"value.glsl", "strip_fixed.frag.glsl"})
-                                          : shaderOf("", {"position.glsl", "value.glsl", "strip.frag.glsl"}));
+    auto program = device_.program(
+        fixed_ ? "mpr strip, fixed-function" : "mpr strip", shaderOf("", {"picture.vert.glsl"}),
+        fixed_ ? shaderOf("", {"texels.glsl", "strip_fixed.frag.glsl"})
+               : shaderOf("", {"position.glsl", "texels.glsl", "strip.frag.glsl"}));
     if (!program) return program.error();
     program_ = *program;
     Result<gpu::VertexData> vertices =
@@ -133,7 +144,7 @@ class StripPainter {
       const Strip& s = strips[n];
       for (const std::int64_t slice : {s.part.first, s.part.second})
         if (!textures.contains(slice)) {
-          auto t = gpu::planeTexture(device_, *p_.volume, code_, 2, slice);
+          auto t = sliceTexture(device_, *p_.volume, code_, slice, scratch_);
           if (!t) return t.error();
           textures[slice] = *t;
         }
@@ -151,7 +162,7 @@ class StripPainter {
       d.uniforms = {{"size_px", glm::vec2(p_.view.width_px, p_.view.height_px)},
                     {"mode", static_cast<int>(p_.slab.mode)},
                     {"quantum", meanQuantum(code_)}};
-      addValueUniforms(d.uniforms, code_);
+      gpu::addTexelUniforms(d.uniforms, code_);
       addPositionUniforms(d.uniforms, s.plane, p_.view.width_px, p_.view.height_px);
       addStripUniforms(d.uniforms, p_, s);
       draws.push_back(std::move(d));
@@ -165,6 +176,7 @@ class StripPainter {
   const TexelCode& code_;
   bool fixed_;
   std::shared_ptr<const gpu::Program> program_;
+  std::vector<std::byte> scratch_;
 };
 
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
@@ -172,7 +184,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   if (!params) return params.error();
   const SliceParams& p = **params;
   if (Result<void> r = checkDrawable(p, context.capabilities); !r) return r.error();
-  const Result<TexelCode> code = gpu::texelCode(*p.volume);
+  const Result<TexelCode> code = texelCode(*p.volume);
   if (!code) return code.error();
   const GridGeometry& g = p.volume->grid();
   const std::int64_t limit = context.capabilities.maxTexture > 0 ? context.capabilities.maxTexture : 16384;
@@ -211,7 +223,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
 Result<void> execute(Host& host, const Pass& pass, Images& images, std::stop_token stop) {
   const auto* p = dynamic_cast<const SliceParams*>(pass.params.get());
   if (!p) return makeError(ErrorCode::Internal, "The pass has no slice parameters.", "mpr.strips");
-  const Result<TexelCode> code = gpu::texelCode(*p->volume);
+  const Result<TexelCode> code = texelCode(*p->volume);
   if (!code) return code.error();
   Result<gpu::Device*> device = host.glDevice();
   if (!device) return device.error();

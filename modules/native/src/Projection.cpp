@@ -15,15 +15,17 @@ namespace {
 
 constexpr int kTile_px = 32;
 
-// What draws one picture.
-struct Painter {
+// Reads the parts of one picture's rays.
+struct Reader {
   const ProjectionJob& job;
-  Images& images;
   std::optional<FastProjection> fast;
   FastKernel kernel = nullptr;
   VoxelFromPatient voxelFromPatient;
 
-  Gathered gather(const VoxelRay& ray, double from, double to, RayHint& hint, ProjectionWork& work) const {
+  Gathered gather(const RayPart& part, RayHint& hint, ProjectionWork& work) const {
+    const VoxelRay ray{(voxelFromPatient * part.ray.origin).p, voxelFromPatient.linear * part.ray.direction.v,
+                       part.rayPerDepth};
+    const double from = part.from_mm, to = part.to_mm;
     Gathered out;
     const bool sampled = !job.exact || gatherOf(job) == Gather::Extreme;
     if (sampled) {
@@ -114,92 +116,121 @@ glm::dvec3 colourOf(const ProjectionJob& job, Along& a, bool ended, glm::dvec3 e
   return job.invert ? 1.0 - glm::clamp(colour, 0.0, 1.0) : colour;
 }
 
-void put(const Painter& p, std::size_t pixel, const glm::dvec3& colour, const Along& a, double end_mm) {
+void put(const ProjectionJob& job, Images& images, std::size_t pixel, const glm::dvec3& colour,
+         const Along& a, double end_mm) {
   for (int c = 0; c < 3; ++c)
-    p.images.colour[4 * pixel + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
-  p.images.colour[4 * pixel + 3] = 1;
+    images.colour[4 * pixel + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
+  images.colour[4 * pixel + 3] = 1;
   double depth = a.covered ? a.at_mm : end_mm;
-  const bool extreme = p.job.mode == ProjectionMode::Max || p.job.mode == ProjectionMode::Min;
-  const double own = p.job.invert ? 1 - a.grey : a.grey;
+  const bool extreme = job.mode == ProjectionMode::Max || job.mode == ProjectionMode::Min;
+  const double own = job.invert ? 1 - a.grey : a.grey;
   if (extreme && a.covered && std::isfinite(end_mm) && colour != glm::dvec3(own)) depth = end_mm;
-  p.images.depth[pixel] = static_cast<float>(depth);
-  if (!p.images.values.empty())
-    p.images.values[pixel] =
-        a.covered ? static_cast<float>(a.value) : std::numeric_limits<float>::quiet_NaN();
+  images.depth[pixel] = static_cast<float>(depth);
+  if (!images.values.empty())
+    images.values[pixel] = a.covered ? static_cast<float>(a.value) : std::numeric_limits<float>::quiet_NaN();
 }
 
-void drawPixel(const Painter& p, int x, int y, RayHint& hint, ProjectionWork& work) {
-  const ProjectionJob& job = p.job;
+// gather(part) reads what lies between two tools.
+template <class Gather>
+void drawPixel(const ProjectionJob& job, Images& images, int x, int y, Gather&& gather) {
   const double px = x + 0.5, py = y + 0.5;
   const std::size_t pixel =
-      static_cast<std::size_t>(x) + static_cast<std::size_t>(p.images.width) * static_cast<std::size_t>(y);
-  const PatientRay patient = job.camera.ray(px, py);
-  const double rayPerDepth = job.camera.rayPerDepth(px, py);
-  const RaySpan span = spanOf(patient, job.region, job.camera.near_mm * rayPerDepth);
+      static_cast<std::size_t>(x) + static_cast<std::size_t>(images.width) * static_cast<std::size_t>(y);
+  RayPart part{x, y, 0, job.camera.ray(px, py), job.camera.rayPerDepth(px, py), 0, 0};
+  const RaySpan span = spanOf(part.ray, job.region, job.camera.near_mm * part.rayPerDepth);
   const SurfaceHits* const tools = job.tools;
   const double end_mm = tools ? static_cast<double>(tools->end_mm[pixel]) : static_cast<double>(kNothing_mm);
-  const VoxelRay ray{(p.voxelFromPatient * patient.origin).p, p.voxelFromPatient.linear * patient.direction.v,
-                     rayPerDepth};
   Along a;
-  double from = span.entry_mm;
+  part.from_mm = span.entry_mm;
   const double to = span.empty() ? span.entry_mm : std::min(span.exit_mm, end_mm);
-  const auto part = [&](double until) {
-    if (span.empty() || !(until > from)) return;
-    addPart(job, p.gather(ray, from, until, hint, work), from, a);
-    from = until;
+  const auto read = [&](double until) {
+    if (span.empty() || !(until > part.from_mm)) return;
+    part.to_mm = until;
+    addPart(job, gather(part), part.from_mm, a);
+    part.from_mm = until;
   };
   if (tools)
     for (std::uint32_t n = tools->first[pixel]; n < tools->first[pixel + 1]; ++n) {
-      part(std::min(to, static_cast<double>(tools->layers[n].t_mm)));
+      read(std::min(to, static_cast<double>(tools->layers[n].t_mm)));
       addTool(job, tools->layers[n], a);
+      ++part.passed;
     }
-  part(to);
+  read(to);
   glm::dvec3 end(0);
   const bool ended = std::isfinite(end_mm);
   if (ended)
     for (std::size_t c = 0; c < 3; ++c)
       end[static_cast<int>(c)] = static_cast<double>(tools->endColour[3 * pixel + c]);
-  put(p, pixel, colourOf(job, a, ended, end), a, end_mm);
+  put(job, images, pixel, colourOf(job, a, ended, end), a, end_mm);
 }
 
-}  // namespace
-
-Result<void> drawProjection(const ProjectionJob& job, Images& images, std::stop_token stop) {
-  const TraceSpan span("projection");
+Result<void> fit(const ProjectionJob& job, Images& images) {
   images.width = job.camera.width_px, images.height = job.camera.height_px;
   const std::size_t n = static_cast<std::size_t>(images.width) * static_cast<std::size_t>(images.height);
   if (!job.volume || job.volume->isColour())
     return makeError(ErrorCode::Internal, "The job has no grey volume.", "drawProjection");
-  if (job.exact)
-    if (std::string why = whyNotExact(job); !why.empty())
-      return makeError(ErrorCode::Internal, std::move(why), "drawProjection");
   images.colour.resize(4 * n);
   images.depth.resize(n);
   if (!images.values.empty()) images.values.resize(n);
-  Painter painter{job, images, fastProjectionOf(job), nullptr, job.volume->voxelFromPatient()};
-  if (painter.fast) painter.kernel = fastKernelFor(*painter.fast);
+  return {};
+}
+
+// tile(x0, y0, x1, y1), the ends out.
+template <class Tile>
+Result<void> eachTile(const Images& images, const std::stop_token& stop, Tile&& tile) {
   const int across = (images.width + kTile_px - 1) / kTile_px,
             down = (images.height + kTile_px - 1) / kTile_px;
-  std::atomic<std::uint64_t> samples{0}, cells{0};
   parallelFor(static_cast<std::size_t>(across) * static_cast<std::size_t>(down), 1,
               [&](std::size_t begin, std::size_t end) {
-                for (std::size_t t = begin; t < end; ++t) {
+                for (std::size_t t = begin; t < end && !stop.stop_requested(); ++t) {
                   const int x0 = static_cast<int>(t) % across * kTile_px;
                   const int y0 = static_cast<int>(t) / across * kTile_px;
-                  ProjectionWork work;
-                  for (int y = y0; y < std::min(y0 + kTile_px, images.height) && !stop.stop_requested();
-                       ++y) {
-                    RayHint hint;
-                    for (int x = x0; x < std::min(x0 + kTile_px, images.width); ++x)
-                      drawPixel(painter, x, y, hint, work);
-                  }
-                  samples += work.samples, cells += work.cells;
+                  tile(x0, y0, std::min(x0 + kTile_px, images.width), std::min(y0 + kTile_px, images.height));
                 }
               });
-  images.counters.samples += samples;
-  images.counters.cells += cells;
   if (stop.stop_requested()) return makeError(ErrorCode::Cancelled, "The projection was cancelled.");
   return {};
+}
+
+}  // namespace
+
+Steps stepsOf(double from_mm, double to_mm, double step_mm, bool extreme) {
+  const auto first = static_cast<std::int64_t>(std::floor(from_mm / step_mm));
+  const auto last = static_cast<std::int64_t>(std::ceil(to_mm / step_mm)) - 1;
+  const Steps met{first, std::max<std::int64_t>(1, last - first + 1)};
+  return extreme ? Steps{met.first - 1, met.count + 2} : met;
+}
+
+Result<void> drawProjection(const ProjectionJob& job, Images& images, std::stop_token stop) {
+  const TraceSpan span("projection");
+  if (Result<void> ok = fit(job, images); !ok) return ok;
+  if (job.exact)
+    if (std::string why = whyNotExact(job); !why.empty())
+      return makeError(ErrorCode::Internal, std::move(why), "drawProjection");
+  Reader reader{job, fastProjectionOf(job), nullptr, job.volume->voxelFromPatient()};
+  if (reader.fast) reader.kernel = fastKernelFor(*reader.fast);
+  std::atomic<std::uint64_t> samples{0}, cells{0};
+  Result<void> done = eachTile(images, stop, [&](int x0, int y0, int x1, int y1) {
+    ProjectionWork work;
+    for (int y = y0; y < y1 && !stop.stop_requested(); ++y) {
+      RayHint hint;
+      for (int x = x0; x < x1; ++x)
+        drawPixel(job, images, x, y, [&](const RayPart& part) { return reader.gather(part, hint, work); });
+    }
+    samples += work.samples, cells += work.cells;
+  });
+  images.counters.samples += samples;
+  images.counters.cells += cells;
+  return done;
+}
+
+Result<void> drawProjection(const ProjectionJob& job, const PartReader& reader, Images& images,
+                            std::stop_token stop) {
+  if (Result<void> ok = fit(job, images); !ok) return ok;
+  return eachTile(images, stop, [&](int x0, int y0, int x1, int y1) {
+    for (int y = y0; y < y1 && !stop.stop_requested(); ++y)
+      for (int x = x0; x < x1; ++x) drawPixel(job, images, x, y, reader);
+  });
 }
 
 }  // namespace vernier::native

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the projection kernels share: a ray in voxels, and what one part of it amounts to.
+// What the projection kernels share: a ray in voxels, and what they do along it.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -16,15 +16,6 @@ struct VoxelRay {
   glm::dvec3 origin{0}, direction{0};
   double rayPerDepth = 1;
   glm::dvec3 at(double t_mm) const { return origin + t_mm * direction; }
-};
-
-// One part of a ray, [from_mm, to_mm]. Extreme: `best` in modality values, NaN where no data lay. Cued
-// maximum: best is the cued grey. Emission: `integral` of the clamped grey. Mean: integral of the modality
-// value. `length_mm`: with data (Emission: of the part).
-struct Gathered {
-  double best = std::numeric_limits<double>::quiet_NaN();
-  double at_mm = 0;
-  double integral = 0, length_mm = 0;
 };
 
 struct ProjectionWork {
@@ -63,18 +54,6 @@ inline CueAlong cueAlong(const ProjectionJob& job, const VoxelRay& ray) {
 struct RayHint {
   double at_mm = -1;
 };
-
-// The steps of the lattice that [from, to] meets: step k covers [k, k + 1) * step_mm. Extrema take the steps
-// before and behind too: their samples are moved to the part's ends.
-struct Steps {
-  std::int64_t first = 0, count = 0;
-};
-inline Steps stepsOf(double from_mm, double to_mm, double step_mm, bool extreme) {
-  const auto first = static_cast<std::int64_t>(std::floor(from_mm / step_mm));
-  const auto last = static_cast<std::int64_t>(std::ceil(to_mm / step_mm)) - 1;
-  const Steps met{first, std::max<std::int64_t>(1, last - first + 1)};
-  return extreme ? Steps{met.first - 1, met.count + 2} : met;
-}
 
 // Samples in double with every rule of the grid.
 Gathered gatherGeneral(const ProjectionJob&, const VoxelRay&, double from_mm, double to_mm, ProjectionWork&);

@@ -44,9 +44,21 @@ glm::dvec3 shellColour(const ShellsJob& job, const ShellPixel& pixel, const Tool
   const double through = tools.through(kFar);
   if (job.mode == ShellsMode::Sum && pixel.hit)
     return own + shells + (tools.ends() ? through * tools.endColour : glm::dvec3(0));
-  if (tools.ends()) return own + (pixel.hit ? shells : through * tools.endColour);
+  if (tools.ends()) {
+    const glm::dvec3 tool = through * tools.endColour;
+    const bool replace = job.mode != ShellsMode::Max || job.surfaceBlend == SurfaceBlend::Replace;
+    return own + (!pixel.hit ? tool : replace ? shells : glm::max(shells, tool));
+  }
   if (job.mode != ShellsMode::Max) return own + through * job.background;
   return own + (pixel.hit ? glm::max(shells, through * least) : through * glm::max(least, job.background));
+}
+
+double shownAt_mm(const ShellsJob& job, const ShellPixel& pixel, const ToolsOnRay& tools) {
+  if (!pixel.hit) return tools.end_mm;
+  if (job.mode != ShellsMode::Max || job.surfaceBlend == SurfaceBlend::Replace || !tools.ends())
+    return pixel.t_mm;
+  const glm::dvec3 tool = tools.through(std::numeric_limits<double>::infinity()) * tools.endColour;
+  return glm::all(glm::lessThan(job.colour * pixel.value, tool)) ? tools.end_mm : pixel.t_mm;
 }
 
 }  // namespace vernier::native

@@ -99,8 +99,19 @@ class Drawing {
   bool counts(const Gathered& g, std::size_t i, double depth) const {
     return !bounded_ || (depth >= g.from[i] && depth <= g.to[i]);
   }
-  bool capCounts(const Gathered& g, std::size_t i, const ShellRay::Cap& cap, double scale) const {
-    return cap.shell >= 0 && cap.t_mm * scale <= g.to[i];
+  // visit(i, x, y, cap, depth, which) for the caps of the tile's rays that count.
+  template <class Visit>
+  void eachCap(const TileRect& r, const Gathered& g, Visit&& visit) const {
+    if (!cut_) return;
+    for (int y = r.y0; y <= r.y1; ++y)
+      for (int x = r.x0; x <= r.x1; ++x) {
+        const std::size_t i = at(r, x, y);
+        const double scale = 1 / perDepth(x, y);
+        for (std::uint32_t which = 0; which < 2; ++which) {
+          const ShellRay::Cap& cap = g.caps[i][which];
+          if (cap.shell >= 0 && cap.t_mm * scale <= g.to[i]) visit(i, x, y, cap, cap.t_mm * scale, which);
+        }
+      }
   }
   double z(double depth) const {
     return job_.ramp.at(std::clamp(depth, job_.ramp.near_mm, job_.ramp.far_mm));
@@ -121,7 +132,7 @@ class Drawing {
   void gatherSum(int number, Gathered& g) const;
   void gatherLit(int number, Gathered& g) const;
   void compose(int number, const Gathered& g) const;
-  glm::dvec3 colourOf(const Gathered& g, std::size_t i, const ToolsOnRay& tools, int x, int y) const;
+  ShellPixel pixelOf(const Gathered& g, std::size_t i, int x, int y) const;
 
   const ShellsJob& job_;
   const PreparedShells& shells_;
@@ -161,19 +172,10 @@ void Drawing::gatherMax(int number, Gathered& g) const {
     });
   }
   if (under != kNoShell) endShell(r, job_.shells[under].phi, g);
-  if (!cut_) return;
-  for (int y = r.y0; y <= r.y1; ++y)
-    for (int x = r.x0; x <= r.x1; ++x) {
-      const std::size_t i = at(r, x, y);
-      const double scale = 1 / perDepth(x, y);
-      for (const ShellRay::Cap& cap : g.caps[i]) {
-        if (!capCounts(g, i, cap, scale)) continue;
-        const double depth = cap.t_mm * scale;
-        offer(g, i,
-              bright(job_.shells[static_cast<std::size_t>(cap.shell)].phi, depth) * throughAt(x, y, depth),
-              depth);
-      }
-    }
+  eachCap(r, g, [&](std::size_t i, int x, int y, const ShellRay::Cap& cap, double depth, std::uint32_t) {
+    const double phi = job_.shells[static_cast<std::size_t>(cap.shell)].phi;
+    offer(g, i, bright(phi, depth) * throughAt(x, y, depth), depth);
+  });
 }
 
 void Drawing::gatherSum(int number, Gathered& g) const {
@@ -189,23 +191,15 @@ void Drawing::gatherSum(int number, Gathered& g) const {
       g.shell[i] = run.shell;
     });
   }
-  if (!cut_) return;
-  for (int y = r.y0; y <= r.y1; ++y)
-    for (int x = r.x0; x <= r.x1; ++x) {
-      const std::size_t i = at(r, x, y);
-      const double scale = 1 / perDepth(x, y);
-      for (const ShellRay::Cap& cap : g.caps[i]) {
-        if (!capCounts(g, i, cap, scale)) continue;
-        const double depth = cap.t_mm * scale;
-        double phi = 0;
-        for (int s = 0; s <= cap.shell; ++s) phi += job_.shells[static_cast<std::size_t>(s)].phi;
-        g.value[i] += bright(phi, depth) * throughAt(x, y, depth);
-        const std::uint32_t crossings = static_cast<std::uint32_t>(cap.shell) + 1;
-        g.depth[i] = (g.shell[i] == kNoShell ? 0 : g.depth[i]) + crossings * depth;
-        g.triangle[i] += crossings;
-        g.shell[i] = kCapShell;
-      }
-    }
+  eachCap(r, g, [&](std::size_t i, int x, int y, const ShellRay::Cap& cap, double depth, std::uint32_t) {
+    double phi = 0;
+    for (int n = 0; n <= cap.shell; ++n) phi += job_.shells[static_cast<std::size_t>(n)].phi;
+    g.value[i] += bright(phi, depth) * throughAt(x, y, depth);
+    const std::uint32_t crossings = static_cast<std::uint32_t>(cap.shell) + 1;
+    g.depth[i] = (g.shell[i] == kNoShell ? 0 : g.depth[i]) + crossings * depth;
+    g.triangle[i] += crossings;
+    g.shell[i] = kCapShell;
+  });
 }
 
 void Drawing::gatherLit(int number, Gathered& g) const {
@@ -218,30 +212,26 @@ void Drawing::gatherLit(int number, Gathered& g) const {
       g.depth[i] = depth, g.shell[i] = run.shell, g.triangle[i] = triangle;
     });
   }
-  if (!cut_) return;
-  for (int y = r.y0; y <= r.y1; ++y)
-    for (int x = r.x0; x <= r.x1; ++x) {
-      const std::size_t i = at(r, x, y);
-      const double scale = 1 / perDepth(x, y);
-      for (std::uint32_t c = 0; c < 2; ++c)
-        if (const ShellRay::Cap& cap = g.caps[i][c];
-            capCounts(g, i, cap, scale) && cap.t_mm * scale < g.depth[i])
-          g.depth[i] = cap.t_mm * scale, g.shell[i] = kCapShell, g.triangle[i] = c;
-    }
+  eachCap(r, g, [&](std::size_t i, int, int, const ShellRay::Cap&, double depth, std::uint32_t which) {
+    if (depth < g.depth[i]) g.depth[i] = depth, g.shell[i] = kCapShell, g.triangle[i] = which;
+  });
 }
 
-glm::dvec3 Drawing::colourOf(const Gathered& g, std::size_t i, const ToolsOnRay& tools, int x, int y) const {
+ShellPixel Drawing::pixelOf(const Gathered& g, std::size_t i, int x, int y) const {
   ShellPixel pixel;
   pixel.hit = job_.mode == ShellsMode::Max ? g.depth[i] < kInfinity : g.shell[i] != kNoShell;
+  if (!pixel.hit) return pixel;
+  const double mean = job_.mode == ShellsMode::Sum ? 1.0 / std::max(1u, g.triangle[i]) : 1.0;
   pixel.value = g.value[i];
-  if (job_.mode == ShellsMode::Lit && pixel.hit) {
-    const double cosine = g.shell[i] == kCapShell
-                              ? g.caps[i][g.triangle[i]].cosine
-                              : shells_.cosine(g.shell[i], g.triangle[i], x + 0.5, y + 0.5);
-    pixel.value = std::min(1.0, kAmbient + kDiffuse * cosine);
-    pixel.t_mm = g.depth[i] * perDepth(x, y);
-  }
-  return shellColour(job_, pixel, tools);
+  pixel.t_mm = mean * g.depth[i] * perDepth(x, y);
+  if (job_.mode != ShellsMode::Lit) return pixel;
+  const auto share = [](double cosine) { return std::min(1.0, kAmbient + kDiffuse * cosine); };
+  if (g.shell[i] == kCapShell)
+    pixel.value = share(g.caps[i][g.triangle[i]].cosine);
+  else
+    pixel.value = litShare(job_, g.shell[i], x + 0.5, y + 0.5, pixel.t_mm,
+                           share(shells_.cosine(g.shell[i], g.triangle[i], x + 0.5, y + 0.5)));
+  return pixel;
 }
 
 void Drawing::compose(int number, const Gathered& g) const {
@@ -250,13 +240,12 @@ void Drawing::compose(int number, const Gathered& g) const {
     for (int x = r.x0; x <= r.x1; ++x) {
       const std::size_t i = at(r, x, y), p = pixel(x, y);
       const ToolsOnRay tools = toolsOf(x, y);
-      const glm::dvec3 colour = colourOf(g, i, tools, x, y);
+      const ShellPixel shown = pixelOf(g, i, x, y);
+      const glm::dvec3 colour = shellColour(job_, shown, tools);
       for (int c = 0; c < 3; ++c)
         images_.colour[4 * p + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
       images_.colour[4 * p + 3] = 1;
-      const double mean = job_.mode == ShellsMode::Sum ? 1.0 / std::max(1u, g.triangle[i]) : 1.0;
-      const double shown = g.depth[i] < kInfinity ? mean * g.depth[i] * perDepth(x, y) : tools.end_mm;
-      images_.depth[p] = shown < kInfinity ? static_cast<float>(shown) : kNothing_mm;
+      images_.depth[p] = static_cast<float>(shownAt_mm(job_, shown, tools));
     }
 }
 

@@ -15,6 +15,7 @@ constexpr Name<ProjectionMode> kModes[] = {{ProjectionMode::Max, "max"},
                                            {ProjectionMode::Attenuation, "attenuation"}};
 constexpr Name<ShellsMode> kShells[] = {
     {ShellsMode::Max, "max"}, {ShellsMode::Sum, "sum"}, {ShellsMode::Lit, "lit"}};
+constexpr Name<SurfaceBlend> kBlends[] = {{SurfaceBlend::Replace, "replace"}, {SurfaceBlend::Max, "max"}};
 constexpr Name<LevelSpread> kSpreads[] = {{LevelSpread::Even, "even"}, {LevelSpread::Histogram, "histogram"}};
 
 double atLeast0(const ObjectReader& o, const std::string& key) {
@@ -95,6 +96,9 @@ ShellsLayer readShells(const nlohmann::json& value, const std::string& path) {
   if (o.has("phi0")) l.phi0 = atLeast0(o, "phi0");
   if (o.has("cue_by_distance")) l.cueByDistance = o.flag("cue_by_distance");
   if (o.has("colour")) l.colour = readRgb(o, "colour");
+  if (o.has("surface_blend")) l.surfaceBlend = choice(o, "surface_blend", kBlends);
+  if (l.surfaceBlend == SurfaceBlend::Max && l.mode != ShellsMode::Max)
+    throw JsonFault{"How surfaces blend is a choice of the mode max.", o.pathOf("surface_blend")};
   o.refuseOthers();
   return l;
 }
@@ -141,7 +145,8 @@ std::string write(const ShellsLayer& l) {
              l.window ? cat(", \"window\": ", write(*l.window)) : "", ", \"beta0\": ", number(l.beta0),
              ", \"beta_m\": ", number(l.betaM), ", \"a\": ", number(l.a), ", \"b\": ", number(l.b),
              ", \"phi0\": ", number(l.phi0), ", \"cue_by_distance\": ", flag(l.cueByDistance),
-             ", \"colour\": ", vec({l.colour.r, l.colour.g, l.colour.b}), "}");
+             ", \"colour\": ", vec({l.colour.r, l.colour.g, l.colour.b}), ", \"surface_blend\": \"",
+             nameIn(kBlends, l.surfaceBlend), "\"}");
 }
 
 std::string write(const CropBox& box) {

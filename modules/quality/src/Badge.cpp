@@ -33,14 +33,6 @@ double levelsBetween(const float* rgba, const glm::dvec4& truth) {
   return kLevels * worst;
 }
 
-bool atEdge(const Layers& layers, glm::dvec2 pixel) {
-  const std::uint64_t key = layers.edgeKey(pixel);
-  for (int dy = -1; dy <= 1; ++dy)
-    for (int dx = -1; dx <= 1; ++dx)
-      if ((dx != 0 || dy != 0) && layers.edgeKey(pixel + glm::dvec2(dx, dy)) != key) return true;
-  return false;
-}
-
 // The smallest value that at least `share` of the values do not exceed.
 double percentile(const std::vector<double>& ascending, double share) {
   if (ascending.empty()) return 0;
@@ -132,7 +124,7 @@ Result<ErrorReport> measureError(const Frame& frame, const Scene& scene, const V
       Sample& s = samples[n];
       const ReferencePixel truth = layers->at(pixel, withValues ? &s.value : nullptr);
       s.error = levelsBetween(&frame.images.colour[4 * pixels[n]], truth.rgba);
-      s.edge = atEdge(*layers, pixel);
+      s.edge = layers->atEdge(pixel);
     }
   });
   if (stop.stop_requested()) return makeError(ErrorCode::Cancelled, "The error measurement was cancelled.");

@@ -9,31 +9,7 @@
 namespace vernier::quality {
 namespace {
 
-constexpr std::int64_t kLeastEdge = 8, kMostPerAxis = 32;  // cells; bricks
-
-// Cells from `first` to `last`, the voxels at both ends included.
-struct Extent {
-  std::int64_t first = 0, last = 0;
-};
-std::vector<Extent> split(std::int64_t voxels) {
-  const std::int64_t cells = voxels - 1,
-                     edge = std::max(kLeastEdge, (cells + kMostPerAxis - 1) / kMostPerAxis);
-  std::vector<Extent> out;
-  for (std::int64_t first = 0; first < cells; first += edge)
-    out.push_back({first, std::min(first + edge, cells)});
-  return out;
-}
-
-LocalRange rangeOf(const Volume& v, Extent x, Extent y, Extent z) {
-  LocalRange r;
-  for (std::int64_t k = z.first; k <= z.last; ++k)
-    for (std::int64_t j = y.first; j <= y.last; ++j)
-      for (std::int64_t i = x.first; i <= x.last; ++i) {
-        const double stored = v.stored(i, j, k);
-        if (!v.isNoData(stored)) r.add(v.rescaleOf(k).slope * stored + v.rescaleOf(k).intercept);
-      }
-  return r;
-}
+using Extent = BrickRanges::Extent;
 
 // In the Voxel frame. Slices that wander carry their voxels along, and hold their border for half a voxel.
 std::array<glm::dvec3, 8> cornersOf(const GridGeometry& g, Extent x, Extent y, Extent z) {
@@ -58,24 +34,23 @@ std::array<glm::dvec3, 8> cornersOf(const GridGeometry& g, Extent x, Extent y, E
 
 BrickOutlines brickOutlines(const VolumeRays& rays,
                             const std::function<bool(const LocalRange&)>& contributes) {
-  const Volume& v = rays.volume();
-  const GridGeometry& g = v.grid();
-  const std::vector<Extent> xs = split(g.columns), ys = split(g.rows), zs = split(g.slices);
+  const GridGeometry& g = rays.volume().grid();
+  const auto known = rays.bricks() ? rays.bricks() : std::make_shared<const BrickRanges>(rays.fieldVolume());
+  const std::vector<BrickRanges::Brick>& bricks = known->bricks();
   BrickOutlines all;
   std::mutex merging;
-  parallelFor(ys.size() * zs.size(), 1, [&](std::size_t begin, std::size_t end) {
+  parallelFor(bricks.size(), 64, [&](std::size_t begin, std::size_t end) {
     BrickOutlines mine;
-    for (std::size_t n = begin; n < end; ++n)
-      for (const Extent& x : xs) {
-        const Extent y = ys[n % ys.size()], z = zs[n / ys.size()];
-        const std::array<glm::dvec3, 8> corners = cornersOf(g, x, y, z);
-        if (rays.keepsNoneOf(corners) || !contributes(rangeOf(v, x, y, z))) continue;
-        std::array<glm::dvec2, 8> px;
-        bool before = true;
-        for (std::size_t c = 0; c < 8; ++c)
-          before = rays.camera().pixelOf((g.patientFromVoxel * VoxelPoint(corners[c])).p, px[c]) && before;
-        before ? mine.corners_px.push_back(px) : void(mine.everywhere = true);
-      }
+    for (std::size_t n = begin; n < end; ++n) {
+      const BrickRanges::Brick& b = bricks[n];
+      const std::array<glm::dvec3, 8> corners = cornersOf(g, b.x, b.y, b.z);
+      if (!contributes(b.values) || rays.keepsNoneOf(corners)) continue;
+      std::array<glm::dvec2, 8> px;
+      bool before = true;
+      for (std::size_t c = 0; c < 8; ++c)
+        before = rays.camera().pixelOf((g.patientFromVoxel * VoxelPoint(corners[c])).p, px[c]) && before;
+      before ? mine.corners_px.push_back(px) : void(mine.everywhere = true);
+    }
     const std::lock_guard lock(merging);
     all.corners_px.insert(all.corners_px.end(), mine.corners_px.begin(), mine.corners_px.end());
     all.everywhere = all.everywhere || mine.everywhere;

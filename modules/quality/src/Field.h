@@ -49,6 +49,12 @@ class Field {
   // `range`, when given, takes in the modality values of the corners.
   std::optional<double> at(glm::dvec3 p_vox, LocalRange* range = nullptr) const;
 
+  // The field along origin + t * step, t from `begin` to `end`, which lies in one cell. nullopt: no data.
+  std::optional<Piece> piece(glm::dvec3 origin, glm::dvec3 step, double begin, double end,
+                             LocalRange* range) const;
+  // Modality value; nullopt: no data.
+  std::optional<double> voxel(std::int64_t i, std::int64_t j, std::int64_t k) const;
+
   // Per voxel step, of the linear field in the cell around `cell_vox`, continued to p_vox; 0 without data.
   glm::dvec3 gradient(glm::dvec3 p_vox, glm::dvec3 cell_vox) const;
 
@@ -72,7 +78,6 @@ class Field {
     double f0 = 0, f1 = 0;
   };
   std::vector<double> cuts(glm::dvec3 origin, glm::dvec3 step) const;
-  std::optional<Piece> piece(glm::dvec3 origin, glm::dvec3 step, double begin, double end, LocalRange*) const;
   std::optional<Span> spanOf(double mid, double a, double b, std::int64_t n) const;
   std::optional<Span> sliceSpanOf(double mid, double a, double b) const;
   glm::dvec2 offsetOf(std::int64_t slice) const;
@@ -85,7 +90,6 @@ class Field {
 
   bool isGap(std::int64_t slice) const;
   // The modality value of a voxel; nullopt: no data.
-  std::optional<double> voxel(std::int64_t i, std::int64_t j, std::int64_t k) const;
 
   // The cubic field at a point of slice span `k`, and along a piece from a to b; nullopt where one of its
   // voxels has no data, so that the linear field holds there.

@@ -5,10 +5,12 @@
 
 #include "CurvedReference.h"
 #include "ImageReference.h"
+#include "IsosurfaceReference.h"
 #include "ProjectionReference.h"
 #include "ShellsReference.h"
 #include "SliceReference.h"
 #include "SurfaceReference.h"
+#include "VolumeReference.h"
 
 namespace vernier::quality {
 
@@ -18,20 +20,20 @@ class Layers {
   // `value`, when given, takes what the layer that shows there says of its value, when it reads a volume.
   ReferencePixel at(glm::dvec2 pixel, std::optional<SliceValue>* value = nullptr) const;
   bool covers(glm::dvec2 pixel) const;
-  // Differs between two pixels where an edge runs between them.
-  std::uint64_t edgeKey(glm::dvec2 pixel) const;
+  // Whether an edge runs between the pixel and one of its eight neighbours.
+  bool atEdge(glm::dvec2 pixel) const;
 
   struct Prepared {
     // All surfaces are one; those among a layer that looks through a volume are its tools.
     std::variant<SliceReference, CurvedReference, ImageReference, SurfaceReference, ProjectionReference,
-                 ShellsReference, PixelTruth>
+                 ShellsReference, VolumeReference, IsosurfaceReference, PixelTruth>
         layer;
     int samples = 0;
     const VolumeReading* reading() const;  // nullptr: a stored frame, or a plugin's layer
     // A plugin's layer has no value and covers nothing.
     std::optional<SliceValue> value(glm::dvec2 pixel) const;
     bool covers(glm::dvec2 pixel) const;
-    std::uint64_t edgeKey(glm::dvec2 pixel) const;
+    EdgeMark edgeMark(glm::dvec2 pixel) const;
     // What a layer that looks through a volume shows, with its tools and background; nullopt: no such layer.
     std::optional<VolumeSeen> seen(glm::dvec2 pixel) const;
     const VolumeRays* rays() const;  // of such a layer; and whether voxels of a range can show something:
@@ -45,6 +47,7 @@ class Layers {
   const std::vector<Prepared>& prepared() const { return layers_; }
 
  private:
+  EdgeMark edgeMark(glm::dvec2 pixel) const;
   // The slice or image that shows, under any layers of plugins; how many layers from the bottom were left
   // out.
   ReferencePixel ground(glm::dvec2 pixel, std::optional<SliceValue>*, std::size_t& above) const;

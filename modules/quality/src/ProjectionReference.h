@@ -5,14 +5,6 @@
 
 namespace vernier::quality {
 
-// What a ray shows of a layer that looks through a volume and of the tools in it.
-struct VolumeSeen {
-  glm::dvec3 colour{0};
-  bool shown = false;    // the layer shows something
-  bool covered = false;  // it does, or a tool does
-  std::optional<double> value;
-};
-
 class ProjectionReference {
  public:
   static Result<ProjectionReference> make(const Scene&, const ProjectionLayer&, const View&, const Sources&);

@@ -14,6 +14,12 @@ namespace {
 
 constexpr std::size_t kGrain = 32;
 
+template <class L>
+concept LooksThrough = requires(const L& layer, const LocalRange& values) {
+  layer.rays();
+  layer.contributes(values);
+};
+
 Result<void> checkView(const View& view) {
   if (view.width_px < 1 || view.height_px < 1)
     return makeError(ErrorCode::SceneInvalid,
@@ -89,6 +95,8 @@ Result<Layers::Prepared> Layers::prepare(const Scene& scene, const Layer& layer,
     return taken(CurvedReference::make(scene, *curved, view, sources));
   if (const auto* image = std::get_if<ImageLayer>(&layer))
     return taken(ImageReference::make(scene, *image, view, sources));
+  if (const auto* volume = std::get_if<VolumeLayer>(&layer))
+    return taken(VolumeReference::make(scene, *volume, view, sources, options));
   if (options.kind == ErrorKind::Implementation)
     return makeError(ErrorCode::NotBuiltYet,
                      "Of layers of kind '" + kindOf(layer) +
@@ -98,6 +106,8 @@ Result<Layers::Prepared> Layers::prepare(const Scene& scene, const Layer& layer,
     return taken(ProjectionReference::make(scene, *projection, view, sources));
   if (const auto* shells = std::get_if<ShellsLayer>(&layer))
     return taken(ShellsReference::make(scene, *shells, view, sources));
+  if (const auto* iso = std::get_if<IsosurfaceLayer>(&layer))
+    return taken(IsosurfaceReference::make(scene, *iso, view, sources));
   return makeError(ErrorCode::NotBuiltYet, "The reference cannot draw layers of kind '" + kindOf(layer) +
                                                "' yet, so no error is measured.");
 }
@@ -125,22 +135,35 @@ bool Layers::Prepared::covers(glm::dvec2 pixel) const {
   return image && image->covers(pixel);
 }
 
-std::uint64_t Layers::Prepared::edgeKey(glm::dvec2 pixel) const {
-  if (const auto* projection = std::get_if<ProjectionReference>(&layer)) return projection->edgeKey(pixel);
-  if (const auto* shells = std::get_if<ShellsReference>(&layer)) return shells->edgeKey(pixel);
-  return covers(pixel) ? 1 : 0;
+EdgeMark Layers::Prepared::edgeMark(glm::dvec2 pixel) const {
+  if (const auto* volume = std::get_if<VolumeReference>(&layer)) return volume->edgeMark(pixel);
+  if (const auto* iso = std::get_if<IsosurfaceReference>(&layer)) return iso->edgeMark(pixel);
+  EdgeMark mark;
+  if (const auto* projection = std::get_if<ProjectionReference>(&layer))
+    mark.key = projection->edgeKey(pixel);
+  else if (const auto* shells = std::get_if<ShellsReference>(&layer))
+    mark.key = shells->edgeKey(pixel);
+  else
+    mark.key = covers(pixel) ? 1 : 0;
+  return mark;
 }
 
 std::optional<VolumeSeen> Layers::Prepared::seen(glm::dvec2 pixel) const {
-  if (const auto* projection = std::get_if<ProjectionReference>(&layer)) return projection->seen(pixel);
-  if (const auto* shells = std::get_if<ShellsReference>(&layer)) return shells->seen(pixel);
-  return std::nullopt;
+  return std::visit(
+      [&](const auto& l) -> std::optional<VolumeSeen> {
+        if constexpr (LooksThrough<decltype(l)>) return l.seen(pixel);
+        return std::nullopt;
+      },
+      layer);
 }
 
 const VolumeRays* Layers::Prepared::rays() const {
-  if (const auto* projection = std::get_if<ProjectionReference>(&layer)) return &projection->rays();
-  if (const auto* shells = std::get_if<ShellsReference>(&layer)) return &shells->rays();
-  return nullptr;
+  return std::visit(
+      [](const auto& l) -> const VolumeRays* {
+        if constexpr (LooksThrough<decltype(l)>) return &l.rays();
+        return nullptr;
+      },
+      layer);
 }
 
 std::optional<glm::dvec3> Layers::Prepared::shown(glm::dvec2 pixel, glm::dvec3 background,
@@ -159,21 +182,33 @@ std::optional<glm::dvec3> Layers::Prepared::shown(glm::dvec2 pixel, glm::dvec3 b
 }
 
 bool Layers::Prepared::contributes(const LocalRange& values) const {
-  if (const auto* projection = std::get_if<ProjectionReference>(&layer))
-    return projection->contributes(values);
-  const auto* shells = std::get_if<ShellsReference>(&layer);
-  return shells && shells->contributes(values);
+  return std::visit(
+      [&](const auto& l) {
+        if constexpr (LooksThrough<decltype(l)>) return l.contributes(values);
+        return false;
+      },
+      layer);
 }
 
 bool Layers::covers(glm::dvec2 pixel) const {
   return std::any_of(layers_.begin(), layers_.end(), [&](const Prepared& p) { return p.covers(pixel); });
 }
 
-std::uint64_t Layers::edgeKey(glm::dvec2 pixel) const {
+EdgeMark Layers::edgeMark(glm::dvec2 pixel) const {
   // A look through a volume is the only layer but for plugins'.
   for (const Prepared& p : layers_)
-    if (p.rays()) return p.edgeKey(pixel);
-  return covers(pixel) ? 1 : 0;
+    if (p.rays()) return p.edgeMark(pixel);
+  EdgeMark mark;
+  mark.key = covers(pixel) ? 1 : 0;
+  return mark;
+}
+
+bool Layers::atEdge(glm::dvec2 pixel) const {
+  const EdgeMark here = edgeMark(pixel);
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx)
+      if ((dx != 0 || dy != 0) && edgeBetween(here, edgeMark(pixel + glm::dvec2(dx, dy)))) return true;
+  return false;
 }
 
 // Later layers lie over earlier ones: those of volumes and frames opaque where they have data, a plugin's as

@@ -167,7 +167,11 @@ VolumeSeen ShellsReference::seen(glm::dvec2 pixel) const {
   } else if (layer_.mode == ShellsMode::Sum) {
     out.colour += shells + ray.backdrop(glm::dvec3(0));
   } else if (ray.opaque) {
-    out.colour += v.replaces ? shells : ray.backdrop(glm::dvec3(0));
+    const glm::dvec3 tool = ray.backdrop(glm::dvec3(0));
+    if (layer_.surfaceBlend == SurfaceBlend::Max)
+      out.colour += glm::max(shells, tool);
+    else
+      out.colour += v.replaces ? shells : tool;
   } else {
     out.colour += glm::max(shells, ray.through.back() * (v.shown ? floor : glm::max(floor, background_)));
   }

@@ -31,6 +31,14 @@ std::array<glm::dvec3, 8> cornersOf(const GridGeometry& g) {
 
 }  // namespace
 
+CentreBox centreBox(const GridGeometry& g) {
+  glm::dvec2 low(0), high(0);
+  for (const glm::dvec3& o : g.sliceOrigin_vox)
+    low = glm::min(low, glm::dvec2(o)), high = glm::max(high, glm::dvec2(o));
+  const glm::dvec2 last(static_cast<double>(g.columns - 1), static_cast<double>(g.rows - 1));
+  return {{low, g.firstPosition_vox()}, {last + high, g.lastPosition_vox()}};
+}
+
 Result<std::vector<VolumeRays::Bound>> VolumeRays::boundsOf(const Scene& scene, const GridGeometry& g) {
   std::vector<Bound> out;
   const glm::dmat3 normals = glm::transpose(glm::inverse(g.patientFromVoxel.linear));
@@ -45,12 +53,8 @@ Result<std::vector<VolumeRays::Bound>> VolumeRays::boundsOf(const Scene& scene, 
         out.push_back(b);
       }
   };
-  // Slices that wander widen the box of voxel centres by as much.
-  glm::dvec2 low(0), high(0);
-  for (const glm::dvec3& o : g.sliceOrigin_vox)
-    low = glm::min(low, glm::dvec2(o)), high = glm::max(high, glm::dvec2(o));
-  const glm::dvec2 last(static_cast<double>(g.columns - 1), static_cast<double>(g.rows - 1));
-  addBox({low, g.firstPosition_vox()}, {last + high, g.lastPosition_vox()}, Border::Box);
+  const CentreBox box = centreBox(g);
+  addBox(box.least, box.greatest, Border::Box);
   if (scene.crop) {
     const glm::dvec3 from = scene.crop->least.p, to = scene.crop->greatest.p;
     if (!finite(from) || !finite(to) || !(from.x < to.x && from.y < to.y && from.z < to.z))
@@ -82,17 +86,17 @@ VolumeRays::Fall VolumeRays::fallOf(const RayCamera& camera, const GridGeometry&
 
 Result<VolumeRays> VolumeRays::make(const Scene& scene, const std::string& source,
                                     Interpolation interpolation, const std::optional<VoiWindow>& window,
-                                    const View& view, const Sources& sources) {
+                                    const View& view, const Sources& sources, Colours colours) {
   const auto found = sources.volumes.find(source);
   if (found == sources.volumes.end() || !found->second)
     return makeError(ErrorCode::SceneInvalid, "The layer's volume '" + source + "' is not loaded.");
   const Volume& volume = *found->second;
-  if (volume.isColour())
+  if (volume.isColour() && colours == Colours::Refused)
     return makeError(
         ErrorCode::SceneInvalid,
         "The layer's volume is in colour and has no values to look through for; show it as slices.");
   if (interpolation == Interpolation::Cubic)
-    return makeError(ErrorCode::SceneInvalid, "Projections interpolate with nearest or linear.");
+    return makeError(ErrorCode::SceneInvalid, "Looks through a volume interpolate with nearest or linear.");
   const GridGeometry& g = volume.grid();
   if (g.columns < 2 || g.rows < 2 || g.slices < 2)
     return makeError(ErrorCode::GeometryRefused,
@@ -109,8 +113,9 @@ Result<VolumeRays> VolumeRays::make(const Scene& scene, const std::string& sourc
   if (!surfaces) return surfaces.error();
   VolumeRays r(std::move(*surfaces));
   r.volume_ = found->second;
+  r.field_ = volume.isColour() ? &volume.channel(volume.info().channels == 4 ? 3 : 0) : &volume;
   r.interpolation_ = interpolation;
-  r.window_ = window ? *window : wholeRange(volume);
+  r.window_ = window && !volume.isColour() ? *window : wholeRange(*r.field_);
   if (!(r.window_.width > 0) || !std::isfinite(r.window_.width) || !std::isfinite(r.window_.center))
     return makeError(ErrorCode::SceneInvalid, "The layer's window has no width; give a width above 0.");
   r.camera_ = *camera;
@@ -212,7 +217,7 @@ Cue VolumeRays::cue(const VolumeRay& ray, const RayPart& part, double k0, double
 }
 
 glm::dvec3 VolumeRays::gradient(const VolumeRay& ray, double t_mm, double cell_mm) const {
-  const Field field(*volume_, interpolation_);
+  const Field field(*field_, interpolation_);
   const glm::dvec3 perVoxel = field.gradient(voxelAt(ray, t_mm), voxelAt(ray, cell_mm));
   const glm::dvec3 patient = glm::transpose(volume_->voxelFromPatient().linear) * perVoxel;
   const double size = glm::length(patient);

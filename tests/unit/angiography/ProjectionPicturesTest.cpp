@@ -2,92 +2,10 @@
 // Projections through the planner against the reference in double: all modes, both cameras, cuts, tools.
 #include <gtest/gtest.h>
 
-#include "../volume/Grids.h"
-#include "ShellCases.h"
-#include "vernier/angiography/Angiography.h"
-#include "vernier/quality/Badge.h"
+#include "ProjectionCases.h"
 
 namespace vernier::test {
 namespace {
-
-constexpr ProjectionMode kAllModes[] = {ProjectionMode::Max, ProjectionMode::Min, ProjectionMode::Sum,
-                                        ProjectionMode::Mean, ProjectionMode::Attenuation};
-
-class LookHost final : public Host {
- public:
-  LookHost() {
-    EXPECT_TRUE(angiography::registerAngiography(*this).ok());
-    Technique surfaces;  // only says that somebody here draws tools
-    surfaces.name = "surface.test", surfaces.kinds = {"surface"};
-    surfaces.passesFor = [](const Layer&, std::size_t, const PlanContext&) -> Result<std::vector<Pass>> {
-      return std::vector<Pass>{};
-    };
-    surfaces.execute = [](const Pass&, Images&, std::stop_token) -> Result<void> { return {}; };
-    EXPECT_TRUE(addTechnique(std::move(surfaces)).ok());
-    capabilities.gl = false;
-  }
-  Result<void> addTechnique(Technique t) override { return registry.add(std::move(t)); }
-  Result<gpu::Device*> glDevice() override { return makeError(ErrorCode::GlUnavailable, "Not here."); }
-  TechniqueRegistry registry;
-  Capabilities capabilities;
-};
-
-struct LookCase {
-  Scene scene;
-  View view{72, 60};
-  Sources sources;
-  LookHost host;
-  LookCase() {
-    sources.volumes["v"] = vesselVolume();
-    ProjectionLayer layer;
-    layer.source = "v";
-    layer.window = VoiWindow{90, 120, VoiFunction::LinearExact, ""};
-    scene.layers.emplace_back(layer);
-    scene.camera.azimuth_deg = 25, scene.camera.elevation_deg = 15, scene.camera.roll_deg = 5;
-    scene.camera.zoom = 1.2;
-  }
-  ProjectionLayer& layer() { return std::get<ProjectionLayer>(scene.layers[0]); }
-  void addTools(double opacity) {
-    const PatientPoint middle = sources.volumes["v"]->grid().centre();
-    // A sheet through the middle, turned so that it cuts the volume, and one in front of it.
-    for (double shift : {0.0, -4.0}) {
-      SurfaceLayer tool;
-      tool.source = "t" + std::to_string(scene.layers.size());
-      MeshBuilder sheet;
-      const std::uint32_t v[4] = {sheet.vertex({-6, 1, -7}), sheet.vertex({7, 2, -5}),
-                                  sheet.vertex({5, -3, 8}), sheet.vertex({-8, -1, 6})};
-      sheet.triangle(v[0], v[1], v[2]), sheet.triangle(v[0], v[2], v[3]);
-      sources.meshes[tool.source] = *sheet.finish();
-      tool.pose.translation = middle.p + glm::dvec3(0.3 * shift, shift, 0);
-      tool.opacity = shift == 0 ? opacity : 0.4;
-      tool.colour = {0.9, 0.5, 0.2};
-      scene.layers.emplace_back(tool);
-    }
-  }
-  Result<Plan> plan(const std::string& technique, double step = 1) const {
-    Quality quality;
-    quality.technique = technique, quality.step = step;
-    return makePlan(scene, view, quality, host.capabilities, CostTable{}, sources, host.registry);
-  }
-  Frame draw(const std::string& technique, double step = 1) const {
-    Frame frame;
-    const Result<Plan> p = plan(technique, step);
-    EXPECT_TRUE(p.ok()) << (p.ok() ? "" : p.error().text());
-    if (!p) return frame;
-    for (const Pass& pass : p->passes) {
-      const auto done = host.registry.find(pass.technique)->execute(pass, frame.images, {});
-      EXPECT_TRUE(done.ok()) << (done.ok() ? "" : done.error().text());
-    }
-    return frame;
-  }
-  quality::ErrorReport error(const std::string& technique, double step = 1) const {
-    quality::ErrorOptions options;
-    options.samples = 100000;  // every pixel
-    const auto report = quality::measureError(draw(technique, step), scene, view, sources, options);
-    EXPECT_TRUE(report.ok()) << (report.ok() ? "" : report.error().text());
-    return report.ok() ? *report : quality::ErrorReport{};
-  }
-};
 
 TEST(ProjectionPictures, ExactRaysAreTheReference) {
   for (const Projection projection : {Projection::Orthographic, Projection::Perspective})

@@ -9,71 +9,32 @@
 #include <optional>
 #include <string>
 
-#include "../volume/Grids.h"
 #include "AngiographyTechniques.h"
-#include "GlForTest.h"
 #include "ShellParams.h"
-#include "vernier/plan/MakePlan.h"
+#include "TechniqueHost.h"
+#include "VesselVolume.h"
 #include "vernier/volume/Sampling.h"
 
 namespace vernier::test {
-
-// Two tubes and a ball of Gaussian profile, 0 to about 200, on an anisotropic, oblique grid.
-inline std::shared_ptr<const Volume> vesselVolume(bool leftHanded = false) {
-  VolumeInfo info;
-  info.grid = unitGrid(22, 20, 15);
-  const glm::dvec3 x = glm::normalize(glm::dvec3(0.9, 0.3, 0.1));
-  const glm::dvec3 z = glm::normalize(glm::cross(x, glm::dvec3(0.1, 0.9, -0.2)));
-  info.grid.patientFromVoxel.linear =
-      glm::dmat3(0.8 * x, 0.9 * glm::cross(z, x), (leftHanded ? -1.4 : 1.4) * z);
-  info.grid.patientFromVoxel.translation = {-10, 40, 200};
-  std::vector<float> values;
-  for (int k = 0; k < 15; ++k)
-    for (int j = 0; j < 20; ++j)
-      for (int i = 0; i < 22; ++i) {
-        const auto bump = [](double d2, double width) { return std::exp(-d2 / (width * width)); };
-        const double tube = std::pow(j - 6 - 3 * std::sin(0.3 * i), 2) + std::pow(1.5 * (k - 5), 2);
-        const double other = std::pow(i - 15 - 0.3 * k, 2) + std::pow(j - 12 + 0.3 * k, 2);
-        const double ball = std::pow(i - 7, 2) + std::pow(j - 14, 2) + std::pow(1.5 * (k - 9), 2);
-        values.push_back(
-            static_cast<float>(120 * bump(tube, 2.5) + 150 * bump(other, 2.2) + 190 * bump(ball, 4)));
-      }
-  return volumeOf(info, values);
-}
 
 inline constexpr const char* kShellTechniques[] = {"shells.native", "shells.gl", "shells.glmax"};
 inline std::string shellTechniqueName(const ::testing::TestParamInfo<const char*>& name) {
   return std::string(name.param).substr(7);
 }
 
-class ShellHost final : public Host {
+class ShellHost final : public TechniqueHost {
  public:
   static ShellHost& instance() {
     static ShellHost host;
     return host;
   }
-  Result<void> addTechnique(Technique t) override { return registry.add(std::move(t)); }
-  Result<gpu::Device*> glDevice() override {
-    if (gpu::Device* device = vernier::test::glDevice()) return device;
-    return makeError(ErrorCode::GlUnavailable, "GL is not here.");
-  }
   std::shared_ptr<angiography::ShellStore> store = std::make_shared<angiography::ShellStore>(*this);
-  TechniqueRegistry registry;
-  Capabilities capabilities;
 
  private:
   ShellHost() {
     EXPECT_TRUE(addTechnique(angiography::nativeShellsTechnique(store)).ok());
     EXPECT_TRUE(addTechnique(angiography::glShellsTechnique(*this, store)).ok());
     EXPECT_TRUE(addTechnique(angiography::glMaxShellsTechnique(*this, store)).ok());
-    Technique surfaces;  // only says that somebody here draws tools
-    surfaces.name = "surface.test", surfaces.kinds = {"surface"};
-    surfaces.passesFor = [](const Layer&, std::size_t, const PlanContext&) -> Result<std::vector<Pass>> {
-      return std::vector<Pass>{};
-    };
-    surfaces.execute = [](const Pass&, Images&, std::stop_token) -> Result<void> { return {}; };
-    EXPECT_TRUE(addTechnique(std::move(surfaces)).ok());
-    gpu::probe(capabilities);
   }
 };
 
@@ -237,7 +198,7 @@ class ShellTruth {
              (job_.beta0 + job_.betaM * (job_.a * z + job_.b));
     };
     if (job_.mode == ShellsMode::Lit) {
-      if (!shells.empty()) backdrop = job_.colour * std::min(1.0, 0.2 + 0.8 * shells[0].cosine);
+      if (!shells.empty()) backdrop = job_.colour * std::min(1.0, 0.2 + 0.8 * litCosine(shells[0], x, y));
       return own + through * backdrop;
     }
     double most = 0, sum = 0;
@@ -247,6 +208,42 @@ class ShellTruth {
     const glm::dvec3 floor = through * job_.colour * job_.beta0 * job_.phi0;
     if (opaque) return own + (shells.empty() ? through * backdrop : job_.colour * most);
     return own + glm::max(floor, shells.empty() ? through * backdrop : job_.colour * most);
+  }
+
+  // Of a lit shell: by the field's gradient where the ray passes the level next to the mesh, found by small
+  // steps; the triangle's own where it does not pass it within 1.5 voxels.
+  double litCosine(const Hit& hit, double x, double y) const {
+    if (hit.cap) return hit.cosine;
+    const PatientRay ray = job_.camera.ray(x, y);
+    const double level = job_.shells[static_cast<std::size_t>(hit.of)].level;
+    const glm::dmat3 toVoxel = job_.volume->voxelFromPatient().linear;
+    const glm::dvec3 perMm = glm::abs(toVoxel * ray.direction.v);
+    const double voxel = 1 / std::max({perMm.x, perMm.y, perMm.z}), step = voxel / 128;
+    const auto value = [&](double t) {
+      return sampleModality(*job_.volume, ray.at(t)).value_or(NAN) - level;
+    };
+    for (std::size_t n = 0; n < 6; ++n)  // flat where the volume ends inside of a shell
+      if (job_.kept[n].distance_mm(ray.at(hit.t_mm)) > -1e-3 && value(hit.t_mm) >= 0) return hit.cosine;
+    for (int n = 0; n < 192; ++n)
+      for (const double side : {-1.0, 1.0}) {
+        double from = hit.t_mm + side * n * step, to = from + side * step, f = value(from);
+        if (const double g = value(to); !((f < 0 && g >= 0) || (f >= 0 && g < 0))) continue;
+        for (int halves = 0; halves < 50; ++halves) {
+          const double middle = 0.5 * (from + to), g = value(middle);
+          ((g < 0) == (f < 0) ? from : to) = middle;
+        }
+        const PatientPoint at = ray.at(from);
+        glm::dvec3 slope(0);
+        for (int axis = 0; axis < 3; ++axis) {
+          glm::dvec3 off(0);
+          off[axis] = 1e-6;
+          const PatientVec d(glm::inverse(toVoxel) * off);
+          slope[axis] = *sampleModality(*job_.volume, at + d) - *sampleModality(*job_.volume, at - d);
+        }
+        const glm::dvec3 normal = glm::normalize(glm::transpose(toVoxel) * slope);
+        return std::abs(glm::dot(normal, ray.direction.v));
+      }
+    return hit.cosine;
   }
 
  private:

@@ -32,9 +32,9 @@ TEST_P(ShellPictures, D1_EveryPixelIsThatOfItsRaysCrossings) {
         c.shells().colour = {1, 0.9, 0.5};
         SCOPED_TRACE(c.plan(technique())->passes[0].params->dump());
         expectTruth(c, technique(),
-                    mode == ShellsMode::Sum                ? 5 * tolerance()
-                    : mode == ShellsMode::Lit && !native() ? 5e-3
-                                                           : tolerance());
+                    mode == ShellsMode::Sum               ? 5 * tolerance()
+                    : mode == ShellsMode::Lit && native() ? 1e-4
+                                                          : tolerance());
       }
 }
 

@@ -62,11 +62,11 @@ TEST_F(SessionTest, ASceneOfAbsentPluginsIsRefusedWithItsName) {
   Session s(options_);
   ASSERT_TRUE(s.open({dir_.path().string()}).ok());
   Scene scene;
-  scene.layers = {CustomLayer{"isosurface", 1, "{}"}};
+  scene.layers = {CustomLayer{"acme.flow", 1, "{}"}};
   const auto r = s.render(scene, {}, {}, {});
   ASSERT_FALSE(r.ok());
   EXPECT_EQ(r.error().code, ErrorCode::PluginMissing);
-  EXPECT_NE(r.error().sentence.find("dvr"), std::string::npos);
+  EXPECT_NE(r.error().sentence.find("acme"), std::string::npos);
 }
 
 TEST_F(SessionTest, AnAxialNativeSliceIsOnePassAndLooksForNoGl) {
@@ -123,12 +123,12 @@ TEST_F(SessionTest, ALayerOfAnAbsentPluginIsKeptSaidAndNoReasonToLookForGl) {
   Session s(options_);
   ASSERT_TRUE(s.open({dir_.path().string()}).ok());
   Scene scene = axial(s);
-  scene.layers.push_back(CustomLayer{"isosurface", 1, R"({"kind":"isosurface"})"});
+  scene.layers.push_back(CustomLayer{"acme.flow", 1, R"({"kind":"acme.flow"})"});
   const auto r = s.render(scene, {}, {}, {});
   ASSERT_TRUE(r.ok()) << r.error().text();
   EXPECT_FALSE(r->plan.showsWholeScene);
   ASSERT_EQ(r->plan.notes.size(), 1u);
-  EXPECT_NE(r->plan.notes[0].find("needs plugin dvr"), std::string::npos);
+  EXPECT_NE(r->plan.notes[0].find("needs plugin acme"), std::string::npos);
   EXPECT_EQ(r->frame.images.counters.passes, 1u);
   EXPECT_NE(s.capabilities(false).glWhyNot.find("nothing needed it"), std::string::npos);
   Quality named;

@@ -185,6 +185,9 @@ TEST(Presets, NamesAndTheirPlugins) {
       ASSERT_TRUE(scene.ok()) << name << ": " << scene.error().text();
       const std::string kind = name.rfind("shells", 0) == 0 ? "shells" : "projection";
       EXPECT_EQ(kindOf(scene->layers.at(0)), kind) << name;
+    } else if (pluginOfView(name) == "dvr") {
+      ASSERT_TRUE(scene.ok()) << name << ": " << scene.error().text();
+      EXPECT_EQ(kindOf(scene->layers.at(0)), name == "iso" ? "isosurface" : "volume") << name;
     } else if (pluginOfView(name) != "mpr") {
       ASSERT_FALSE(scene.ok());
       EXPECT_EQ(scene.error().code, ErrorCode::NotBuiltYet);
@@ -215,6 +218,36 @@ TEST(Presets, ShellsOfTheViews) {
   EXPECT_EQ(shells("shells-sum", given).mode, ShellsMode::Sum);
   EXPECT_EQ(shells("shells-sum", given).count, 7);
   EXPECT_EQ(shells("shells-sum", given).b, 0.5);
+}
+
+TEST(Presets, RenderingsOfTheViews) {
+  GridGeometry g;
+  g.columns = g.rows = g.slices = 4;
+  PresetOptions o;
+  o.volume.emplace();
+  o.volume->preset = "ct-bone";
+  const Scene plain = *presetScene("dvr", "v", g, o);
+  EXPECT_EQ(std::get<VolumeLayer>(plain.layers.at(0)).shading, ShadingModel::None);
+  EXPECT_EQ(std::get<VolumeLayer>(plain.layers.at(0)).preset, "ct-bone");
+  EXPECT_EQ(std::get<VolumeLayer>(plain.layers.at(0)).source, "v");
+  o.lights = {Light{PatientVec(0, -1, 0), {1, 0, 0}}};
+  EXPECT_EQ(presetScene("dvr", "v", g, o).error().code, ErrorCode::OptionInvalid) << "lights light nothing";
+  const Scene shaded = *presetScene("dvr-shaded", "v", g, o);
+  EXPECT_EQ(std::get<VolumeLayer>(shaded.layers.at(0)).shading, ShadingModel::ColourPerVoxel);
+  EXPECT_EQ(shaded.lights, o.lights);
+  o.volume->shading = ShadingModel::GlobalAmbient;
+  EXPECT_EQ(std::get<VolumeLayer>(presetScene("dvr-shaded", "v", g, o)->layers.at(0)).shading,
+            ShadingModel::GlobalAmbient);
+  for (const char* view : {"iso", "mip", "axial"})
+    EXPECT_EQ(presetScene(view, "v", g, o).error().code, ErrorCode::OptionInvalid) << view;
+  PresetOptions iso;
+  iso.iso.emplace();
+  iso.iso->level = 117;
+  EXPECT_EQ(std::get<IsosurfaceLayer>(presetScene("iso", "v", g, iso)->layers.at(0)).level, 117);
+  EXPECT_EQ(presetScene("dvr", "v", g, iso).error().code, ErrorCode::OptionInvalid);
+  PresetOptions windowed;
+  windowed.window = VoiWindow{40, 400, VoiFunction::Linear, ""};
+  EXPECT_EQ(presetScene("dvr", "v", g, windowed).error().where, "window");
 }
 
 TEST(Presets, StackIsOneStoredFrame) {

@@ -124,10 +124,11 @@ Scene randomScene(std::uint64_t& c) {
   shells.a = positive(c), shells.b = positive(c), shells.phi0 = randomUnit(9, c++);
   shells.cueByDistance = bit();
   shells.colour = {randomUnit(9, c++), randomUnit(9, c++), randomUnit(9, c++)};
+  if (shells.mode == ShellsMode::Max && bit()) shells.surfaceBlend = SurfaceBlend::Max;
   if (bit()) s.crop = CropBox{VoxelPoint(-0.1, 1.0 / 3, -7), VoxelPoint(1e9, 0.5, 5e-324)};
   if (bit()) s.clip = {{PatientVec(1, 2, -3), anyDouble(c)}, {PatientVec(0, 1e-3, 0), -0.0}};
   s.layers = {image,      slice,
-              curved,     *customLayer(R"({"kind": "isosurface", "version": 2, "levels": [0.10, 1e5, -0]})"),
+              curved,     *customLayer(R"({"kind": "acme.iso", "version": 2, "levels": [0.10, 1e5, -0]})"),
               slice,      surface,
               projection, shells};
   return s;

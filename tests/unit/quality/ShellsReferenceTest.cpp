@@ -69,6 +69,27 @@ TEST(ShellsReference, MaxReplacesAToolBehindTheLowestLevel) {
   expectPixel(both, {0.25 + 0.375, 0.675, 0});
 }
 
+TEST(ShellsReference, TheBrighterOfShellsAndToolWhereThatIsAskedFor) {
+  VolumeScene s = shells(ShellsMode::Max);
+  s.shells().surfaceBlend = SurfaceBlend::Max;
+  s.shells().phi0 = 1, s.shells().beta0 = 1, s.shells().b = 0;  // behind the tool: takes no part
+  s.sheet(1.2, 1, kOlive);
+  expectPixel(s, {0.8, 0.9, 0.8});
+  s.shells().colour = {0.5, 1, 0.25};
+  expectPixel(s, {0.5, 0.9, 0.2});
+  // A translucent tool before the opaque one weakens both: 0.25 red + 0.75 max(0.8, olive).
+  VolumeScene both = shells(ShellsMode::Max);
+  both.shells().surfaceBlend = SurfaceBlend::Max;
+  both.sheet(1.2, 1, kOlive);
+  both.sheet(0.05, 0.25, kRed);
+  expectPixel(both, {0.25 + 0.6, 0.75 * 0.9, 0.6});
+  // Without an opaque tool nothing changes.
+  VolumeScene translucent = shells(ShellsMode::Max);
+  translucent.shells().surfaceBlend = SurfaceBlend::Max;
+  translucent.sheet(0.5, 0.25, kRed);
+  expectPixel(translucent, {0.25 + 0.6, 0.6, 0.6});
+}
+
 TEST(ShellsReference, MaxWithTheCue) {
   const double ramp[4] = {0, 0.25, 0.5, 0.75};
   ShellsLayer layer;

@@ -26,6 +26,8 @@
 // by parallelFor, every pixel by itself: bit-equal for any number of threads. The stop token is read once per
 // row of a tile. Errors: Cancelled; Internal for a job that whyNot..() names.
 #pragma once
+#include <functional>
+#include <limits>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -71,5 +73,36 @@ VERNIER_API std::string whyNotExact(const ProjectionJob&);
 // Mean: modality; Sum, Attenuation: gain times the integral).
 // Writes every pixel. Adds samples and cells to the counters.
 VERNIER_API Result<void> drawProjection(const ProjectionJob&, Images&, std::stop_token = {});
+
+// What one part of a ray, [from_mm, to_mm], amounts to. Extrema: `best` in modality values, NaN where no data
+// lay; with a cue it is the cued grey. Emission: `integral` of the clamped grey. Mean: integral of the
+// modality value. `length_mm`: with data (Emission: of the part).
+struct Gathered {
+  double best = std::numeric_limits<double>::quiet_NaN();
+  double at_mm = 0;
+  double integral = 0, length_mm = 0;
+};
+
+// For engines that read the volume by themselves: the same parts of rays, joined by the same rules.
+struct RayPart {
+  int x = 0, y = 0;        // pixel
+  std::size_t passed = 0;  // translucent tools that the ray has passed before
+  PatientRay ray;
+  double rayPerDepth = 1;
+  double from_mm = 0, to_mm = 0;
+};
+using PartReader = std::function<Gathered(const RayPart&)>;
+// As above, but for the samples and the counters. The reader is called from many threads, for each part of a
+// pixel once and in its order.
+VERNIER_API Result<void> drawProjection(const ProjectionJob&, const PartReader&, Images&,
+                                        std::stop_token = {});
+
+// The steps of the lattice that a part meets: step k covers [k, k + 1) * step_mm and is sampled at its
+// middle, cut steps at the middle of what is left of them. Extrema take the steps before and behind too:
+// their samples are moved to the part's ends.
+struct Steps {
+  std::int64_t first = 0, count = 0;
+};
+VERNIER_API Steps stepsOf(double from_mm, double to_mm, double step_mm, bool extreme);
 
 }  // namespace vernier::native

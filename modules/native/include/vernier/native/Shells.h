@@ -3,13 +3,14 @@
 // the rays of a picture meet closed iso-surfaces of a volume, and what the crossings amount to.
 //
 //   Max: the brightest crossing, at least beta0 phi0. Sum: all crossings added, front and back. Lit: the
-//   nearest one, by a headlight (Surfaces.h). ShellsLayer says what brightness is; z' is taken at the
-//   crossing, its depth held within the ramp.
+//   nearest one, by a headlight (Surfaces.h) on the level set (litShare). ShellsLayer says what brightness
+//   is; z' is taken at the crossing, its depth held within the ramp.
 //
 // What crop box, clip planes and near distance cut open is closed by caps: where a ray gets in or out by a
 // cut, the field (volume/Sampling.h) is read, and the shells whose levels it has reached are met there. Tools
-// stand among the shells: an opaque one ends the ray, and with Max whatever lies before it replaces it; a
-// translucent one multiplies what is behind it by 1 - alpha and adds its own colour.
+// stand among the shells: an opaque one ends the ray, and with Max whatever lies before it replaces it, or,
+// by SurfaceBlend::Max, is seen where it is brighter; a translucent one multiplies what is behind it by 1 -
+// alpha and adds its own colour.
 //
 // Pixels are sampled at their centres in double (Surfaces.h), spread over tiles with parallelFor: the same
 // bits for any number of threads. Checks the stop token per tile (Cancelled). OutOfMemory by guarded()
@@ -42,6 +43,7 @@ struct ShellsJob {
   DepthRamp ramp;
   double beta0 = 0, betaM = 1, a = 0, b = 1, phi0 = 0;
   glm::dvec3 colour{1}, background{0};
+  SurfaceBlend surfaceBlend = SurfaceBlend::Replace;
   std::vector<HalfSpace> kept;  // keptRegion: the volume's box, then what cuts
   std::vector<PlacedSurface> tools;
 
@@ -52,7 +54,8 @@ struct ShellsJob {
 };
 inline constexpr std::size_t kBoxPlanes = 6;  // of ShellsJob::kept
 
-// Depth: of the crossing that is shown; with Sum the mean of all; where none is, of an opaque tool.
+// Depth: of the crossing that is shown; with Sum the mean of all; where none is, or a tool outshines it, of
+// an opaque tool.
 VERNIER_API Result<void> drawShells(const ShellsJob&, Images&, std::stop_token);
 
 // Whether anything of the volume's box is cut away: by a plane, by the near distance, or since it lies behind
@@ -88,8 +91,18 @@ VERNIER_API ToolsOnRay toolsAt(const SurfaceHits&, std::size_t pixel);
 struct ShellPixel {
   bool hit = false;
   double value = 0;  // brightness, dimmed by tools; Lit: the share of the headlight
-  double t_mm = 0;   // Lit: where
+  double t_mm = 0;   // where; Sum: the mean of all crossings
 };
 VERNIER_API glm::dvec3 shellColour(const ShellsJob&, const ShellPixel&, const ToolsOnRay&);
+// Of what is seen there: the crossing, or the tool that ends the ray; infinite where there is neither.
+VERNIER_API double shownAt_mm(const ShellsJob&, const ShellPixel&, const ToolsOnRay&);
+
+// Lit: the share of the headlight where a ray through pixel coordinates (x, y) meets the mesh of a shell at
+// t_mm. By the gradient of the trilinear field where the ray passes the shell's level, at the nearest such
+// place within kLitReach_vox; a ray that does not pass it there (at the volume's border, beside no-data)
+// keeps `flat`, the share by the triangle's own normal.
+inline constexpr double kLitReach_vox = 1.5;
+VERNIER_API double litShare(const ShellsJob&, std::size_t shell, double x, double y, double t_mm,
+                            double flat);
 
 }  // namespace vernier::native

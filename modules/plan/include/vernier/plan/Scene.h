@@ -135,6 +135,9 @@ enum class ShellsMode { Max, Sum, Lit };
 // Even: equal steps of value within the window, neither end included. Histogram: between two levels lie
 // equally many voxels of those inside the window.
 enum class LevelSpread { Even, Histogram };
+// Max before an opaque surface. Replace: a shell point shows instead of it, however dark (the paper). Max: the
+// brighter of both, in each channel, as projections have it.
+enum class SurfaceBlend { Replace, Max };
 inline constexpr int kMostLevels = 1024;
 struct ShellsLayer {
   std::string source;
@@ -147,6 +150,7 @@ struct ShellsLayer {
   double beta0 = 0, betaM = 1, a = 0, b = 1, phi0 = 0;
   bool cueByDistance = false;  // z' falls evenly with the distance instead of the post-projection depth
   Rgb colour{1, 1, 1};         // multiplies the brightness
+  SurfaceBlend surfaceBlend = SurfaceBlend::Replace;
   friend bool operator==(const ShellsLayer&, const ShellsLayer&) = default;
 };
 
