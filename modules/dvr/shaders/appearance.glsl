@@ -1,7 +1,4 @@
 // From what slices hold at a place to colour, not multiplied, and the opacity of one step of the table.
-#ifdef RGBA
-uniform vec4 gains;
-#endif
 #ifdef SHADED
 uniform vec3 ambientColour;
 uniform vec3 diffuseColour;

@@ -1,12 +1,1 @@
-// Texels to values. 16-bit texels are whole numbers again after rounding, so that nothing is lost; values count from
-// the volume's least value, which keeps their bits for the differences that matter. No-data is a range.
-uniform float texelScale;  // 65535 for 16-bit textures, 0 for float ones
-uniform float texelBias;
-uniform float noDataFirst;
-uniform float noDataLast;
-
-float decoded(float texel) { return texelScale > 0.0 ? floor(texel * texelScale + 0.5) - texelBias : texel; }
 bool isData(float value) { return value < noDataFirst || value > noDataLast; }
-
-// Less weight than this comes from rounding only.
-const float kLeastWeight = 1.0e-6;

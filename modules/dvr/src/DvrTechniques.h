@@ -14,4 +14,8 @@ Technique glStacks2Technique(Host&);
 Technique glStacks4Technique(Host&);
 Technique glUncorrectedStacksTechnique(Host&);
 
+// GlSlabs.cpp
+Technique glSlabsTechnique(Host&);
+Technique glStripsTechnique(Host&);
+
 }  // namespace vernier::dvr

@@ -32,10 +32,7 @@ void addCamera(std::vector<gpu::Uniform>& u, const GlVolumeJob& job) {
 
 void addValues(std::vector<gpu::Uniform>& u, const GlVolumeJob& job) {
   const gpu::TexelCode& code = job.code;
-  u.push_back({"texelScale", code.scale});
-  u.push_back({"texelBias", code.bias});
-  u.push_back({"noDataFirst", code.noDataFirst});
-  u.push_back({"noDataLast", code.noDataLast});
+  gpu::addTexelUniforms(u, code);
   u.push_back({"gains", glm::vec4(glm::dvec4(job.gains[0], job.gains[1], job.gains[2], job.gains[3]))});
   u.push_back({"sign_", signOfExtreme(job)});
   u.push_back({"level", static_cast<float>((job.level - code.modalityAtBias) / code.slope)});
@@ -93,8 +90,23 @@ glm::vec2 entryOf(const gpu::TexelCode& code, double least, double greatest, int
 
 std::string shaderOf(const std::string& defines, std::initializer_list<std::string_view> files) {
   std::string text = "#version 330 core\n" + defines;
-  for (const std::string_view file : files) text += shaderText(file);
+  for (const std::string_view file : files) {
+    // What turns texels into values is module gpu's.
+    if (file == "value.glsl") text += gpu::texelShader();
+    text += shaderText(file);
+  }
   return text;
+}
+
+std::string programName(std::string kind, const std::string& defines) {
+  constexpr std::string_view kDefine = "#define ";
+  for (std::size_t at = 0; (at = defines.find(kDefine, at)) != std::string::npos;) {
+    at += kDefine.size();
+    const std::string line = defines.substr(at, defines.find('\n', at) - at);
+    // Of a macro with a body of its own the name says enough.
+    kind += " " + (line.size() < 24 ? line : line.substr(0, line.find(' ')));
+  }
+  return kind;
 }
 
 Error drawingCancelled() { return makeError(ErrorCode::Cancelled, "Drawing the volume was cancelled."); }

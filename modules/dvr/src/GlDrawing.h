@@ -17,6 +17,8 @@ namespace vernier::dvr {
 std::string_view shaderText(std::string_view fileName);  // the files of shaders/
 // "#version 330 core", the defines, then the files one after the other.
 std::string shaderOf(const std::string& defines, std::initializer_list<std::string_view> files);
+// A program's name, for error sentences, from what its defines switch on.
+std::string programName(std::string kind, const std::string& defines);
 Error drawingCancelled();
 
 // Samples that one draw takes before the stop token is looked at again.

@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "vernier/gpu/VolumeTexels.h"
+#include "vernier/gpu/VolumePlanes.h"
 
 namespace vernier::dvr {
 

@@ -25,7 +25,7 @@ Result<std::shared_ptr<const gpu::Program>> programOf(gpu::Device& device, const
   const bool classifies = !job.iso && !job.extreme();
   const auto text = [&](std::string_view file, bool wanted) { return wanted ? file : std::string_view(); };
   return device.program(
-      std::string("dvr ") + fragment + " " + d, shaderOf("", {"picture.vert.glsl"}),
+      programName(std::string("dvr ") + fragment, d), shaderOf("", {"picture.vert.glsl"}),
       shaderOf(d, {"ray.glsl", "value.glsl", text("classify.glsl", classifies), "volume.glsl",
                    text("light.glsl", job.shaded()), text("gradient.glsl", job.shaded()), fragment}));
 }
@@ -53,7 +53,7 @@ Result<void> drawRays(gpu::Device& device, const GlVolumeJob& job, Images& image
   if (!parts) return parts.error();
   Result<GlInputs> inputs = GlInputs::make(device, job, job.step_mm);
   if (!inputs) return inputs.error();
-  auto volume = gpu::volumeTexture(device, *job.volume, job.code, 0, job.volume->grid().slices, stop);
+  auto volume = gpu::slabTexture(device, *job.volume, job.code, 0, job.volume->grid().slices, stop);
   if (!volume) return volume.error();
   auto program = programOf(device, job, *inputs);
   if (!program) return program.error();
@@ -107,7 +107,7 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   if (!job.tools.empty()) pass.inputs.push_back("mesh");
   pass.outputs = {"colour", "depth"};
   if (context.view.wantValues) pass.outputs.push_back("values");
-  const std::uint64_t texel = job.volume->isColour() ? 4 : job.code.format == gpu::Format::R16 ? 2 : 4;
+  const std::uint64_t texel = gpu::bytesOfTexel(*job.volume, job.code);
   const auto pixels =
       static_cast<std::uint64_t>(job.camera.width_px) * static_cast<std::uint64_t>(job.camera.height_px);
   pass.resources = {{"texture3d", texel * static_cast<std::uint64_t>(g.columns * g.rows * g.slices)},

@@ -8,7 +8,7 @@
 #include "DvrTechniques.h"
 #include "GlGradients.h"
 #include "GlSlices.h"
-#include "StackGeometry.h"
+#include "SlabGeometry.h"
 
 namespace vernier::dvr {
 namespace {
@@ -94,10 +94,11 @@ class StackPainter {
     const std::string d = definesOf(job_, *inputs_, kind_);
     const bool classifies = !job_.iso && !job_.extreme();
     const auto text = [](std::string_view file, bool wanted) { return wanted ? file : std::string_view(); };
-    auto program = device_.program("dvr stack " + d, shaderOf("", {"picture.vert.glsl"}),
-                                   shaderOf(d, {"ray.glsl", "value.glsl", text("classify.glsl", classifies),
-                                                "plane.glsl", text("light.glsl", job_.shaded()),
-                                                text("appearance.glsl", classifies), "stack.frag.glsl"}));
+    auto program =
+        device_.program(programName("dvr stack", d), shaderOf("", {"picture.vert.glsl"}),
+                        shaderOf(d, {"ray.glsl", "value.glsl", text("classify.glsl", classifies),
+                                     "corner.glsl", "plane.glsl", text("light.glsl", job_.shaded()),
+                                     text("appearance.glsl", classifies), "stack.frag.glsl"}));
     if (!program) return program.error();
     program_ = *program;
     std::vector<float> floats;
@@ -122,7 +123,10 @@ class StackPainter {
     const double half = 0.5 / perVoxel_, last = greatest[axis_];
     least[axis_] = std::max(0.0, slices_[p.first].place - half);
     greatest[axis_] = std::min(last, slices_[p.first + p.count - 1].place + half);
-    return dvr::outlineOf(least, greatest, job_.camera, g.patientFromVoxel);
+    constexpr double kAnyDepth = 1e300;
+    return dvr::outlineOf(
+        bodyBetween(least, greatest, -kAnyDepth, kAnyDepth, job_.camera, g.patientFromVoxel), job_.camera,
+        g.patientFromVoxel);
   }
 
   Result<void> drawPart(SliceTargets& targets, const RayTextures& rays) {
@@ -220,10 +224,7 @@ Result<void> checkStack(const GlVolumeJob& job, const StackKind& kind, const Cap
 
 std::uint64_t bytesOfStack(const GlVolumeJob& job) {
   const GridGeometry& g = job.volume->grid();
-  const std::uint64_t texel = job.shaded()                          ? kGradientBytes
-                              : job.volume->isColour()              ? 4
-                              : job.code.format == gpu::Format::R16 ? 2
-                                                                    : 4;
+  const std::uint64_t texel = job.shaded() ? kGradientBytes : gpu::bytesOfTexel(*job.volume, job.code);
   return texel * static_cast<std::uint64_t>(g.columns * g.rows * g.slices);
 }
 

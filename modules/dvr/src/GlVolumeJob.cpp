@@ -132,9 +132,8 @@ Result<void> checkWhole3dTexture(const GlVolumeJob& job, const Capabilities& c) 
   if (largest > c.max3dTexture)
     return cannot("The volume has " + std::to_string(largest) +
                   " voxels on a side; 3-D textures here take up to " + std::to_string(c.max3dTexture) + ".");
-  const std::uint64_t bytes = job.volume->isColour()
-                                  ? 4 * static_cast<std::uint64_t>(g.columns * g.rows * g.slices)
-                                  : job.code.bytes(g);
+  const std::uint64_t bytes =
+      gpu::bytesOfTexel(*job.volume, job.code) * static_cast<std::uint64_t>(g.columns * g.rows * g.slices);
   if (bytes > c.glTextureBudget_bytes)
     return cannot("The volume needs " + std::to_string(bytes >> 20) + " MB as a texture and GL may hold " +
                   std::to_string(c.glTextureBudget_bytes >> 20) + " MB; slabs take it in parts.");

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "vernier/gpu/VolumeTexels.h"
+#include "vernier/gpu/VolumePlanes.h"
 #include "vernier/plan/Volumetric.h"
 #include "vernier/volume/TransferTable.h"
 
@@ -35,8 +35,9 @@ struct GlVolumeJob final : PassParams {
   std::vector<Light> lights;  // at least one
   std::string combiner;
   bool outlines = false;
-  bool fixedFunction = false;  // the card's filter instead of float interpolation
-  std::string summary;         // what the technique says of its way, for the dump
+  bool fixedFunction = false;   // the card's filter instead of float interpolation
+  std::int64_t slabSlices = 0;  // of techniques that draw slab by slab
+  std::string summary;          // what the technique says of its way, for the dump
 
   bool shaded() const { return iso || shading != ShadingModel::None; }
   bool extreme() const { return !iso && mode != VolumeMode::Blend; }

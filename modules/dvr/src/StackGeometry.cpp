@@ -5,35 +5,6 @@
 #include <cmath>
 
 namespace vernier::dvr {
-namespace {
-
-constexpr double kMargin_px = 1;
-// Points nearer to the eye than this part of the volume's size are as good as beside it.
-constexpr double kBesideEye = 1e-3;
-
-double cross(glm::dvec2 o, glm::dvec2 a, glm::dvec2 b) {
-  return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
-}
-
-// Andrew's monotone chain (1979).
-Outline hullOf(std::vector<glm::dvec2> points) {
-  std::sort(points.begin(), points.end(),
-            [](glm::dvec2 a, glm::dvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
-  Outline hull;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t begin = hull.size();
-    for (const glm::dvec2& p : points) {
-      while (hull.size() >= begin + 2 && cross(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
-      hull.push_back(p);
-    }
-    hull.pop_back();
-    std::reverse(points.begin(), points.end());
-  }
-  return hull;
-}
-
-}  // namespace
-
 int stackAxis(const CameraPicture& camera, const GridGeometry& grid) {
   const glm::dmat3 inverse = glm::inverse(grid.patientFromVoxel.linear);
   int best = 2;
@@ -72,34 +43,6 @@ std::vector<StackPolygon> stackPolygons(const std::vector<StackSlice>& slices, s
   std::stable_sort(out.begin(), out.end(),
                    [&](const StackPolygon& a, const StackPolygon& b) { return depth(a) < depth(b); });
   return out;
-}
-
-Outline outlineOf(glm::dvec3 least, glm::dvec3 greatest, const CameraPicture& camera,
-                  const PatientFromVoxel& toPatient) {
-  const glm::dmat4 pixelFromVoxel = camera.pixelFromPatient() * toPatient.matrix();
-  const double beside = kBesideEye * glm::length((toPatient * VoxelVec(greatest - least)).v);
-  std::vector<glm::dvec2> points;
-  for (int n = 0; n < 8; ++n) {
-    const glm::dvec3 corner(n & 1 ? greatest.x : least.x, n & 2 ? greatest.y : least.y,
-                            n & 4 ? greatest.z : least.z);
-    const glm::dvec4 p = pixelFromVoxel * glm::dvec4(corner, 1);
-    if (camera.projection == Projection::Perspective && !(p.w > beside)) {
-      const double w = camera.width_px, h = camera.height_px;
-      return {{0, 0}, {w, 0}, {w, h}, {0, h}};
-    }
-    for (int side = 0; side < 4; ++side)
-      points.push_back(glm::dvec2(p) / p.w + kMargin_px * glm::dvec2(side & 1 ? 1 : -1, side & 2 ? 1 : -1));
-  }
-  return hullOf(std::move(points));
-}
-
-double areaOf(const Outline& o) {
-  double twice = 0;
-  for (std::size_t n = 0; n < o.size(); ++n) {
-    const glm::dvec2 a = o[n], b = o[(n + 1) % o.size()];
-    twice += a.x * b.y - a.y * b.x;
-  }
-  return std::abs(twice) / 2;
 }
 
 }  // namespace vernier::dvr

@@ -31,11 +31,6 @@ struct StackPolygon {
 std::vector<StackPolygon> stackPolygons(const std::vector<StackSlice>&, std::size_t perPolygon, int axis,
                                         const CameraPicture&, const VoxelFromPatient&);
 
-using Outline = std::vector<glm::dvec2>;
-// What a part of the voxel frame, least to greatest, covers of the picture, a pixel wider: convex. For slices
-// on one polygon this is the outline of all their slabs as they are seen, the room that the paper makes by
-// 2 d (n - 1). The whole picture where the part reaches beside or behind the eye.
-Outline outlineOf(glm::dvec3 least, glm::dvec3 greatest, const CameraPicture&, const PatientFromVoxel&);
-double areaOf(const Outline&);
+using Outline = std::vector<glm::dvec2>;  // in pixels
 
 }  // namespace vernier::dvr

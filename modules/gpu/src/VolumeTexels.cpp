@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace vernier::gpu {
@@ -102,11 +101,8 @@ Result<TexelCode> texelCode(const Volume& v) {
   return code;
 }
 
-namespace {
-
-// n stored values as texels.
-std::span<const std::byte> converted(const Volume& v, const TexelCode& code, const std::byte* from,
-                                     std::size_t n, std::vector<std::byte>& scratch) {
+std::span<const std::byte> convertedTexels(const Volume& v, const TexelCode& code, const std::byte* from,
+                                           std::size_t n, std::vector<std::byte>& scratch) {
   if (v.type() == VoxelType::U16) return {from, 2 * n};
   scratch.resize(n * (code.format == Format::R16 ? 2 : 4));
   auto* r16 = reinterpret_cast<std::uint16_t*>(scratch.data());
@@ -136,12 +132,11 @@ std::span<const std::byte> converted(const Volume& v, const TexelCode& code, con
   return scratch;
 }
 
-}  // namespace
-
 std::span<const std::byte> slicedTexels(const Volume& v, const TexelCode& code, std::int64_t slice,
                                         std::vector<std::byte>& scratch) {
   const std::size_t n = static_cast<std::size_t>(v.grid().columns) * static_cast<std::size_t>(v.grid().rows);
-  return converted(v, code, v.data() + static_cast<std::size_t>(slice) * n * bytesOf(v.type()), n, scratch);
+  return convertedTexels(v, code, v.data() + static_cast<std::size_t>(slice) * n * bytesOf(v.type()), n,
+                         scratch);
 }
 
 bool mayUseFixedFunction(const Volume& v, Interpolation interpolation) {
@@ -174,103 +169,26 @@ std::string whyNotTexture3d(const Volume& volume, const TexelCode& code, const C
   return {};
 }
 
-namespace {
-
-constexpr std::size_t kColourBytes = 4;
-
-std::uint64_t bytesOfTexel(const Volume& v, const TexelCode& code) {
-  return v.isColour() ? kColourBytes : code.format == Format::R16 ? 2u : 4u;
-}
-
-const char* suffixOf(const Volume& v, const TexelCode& code) {
-  return v.isColour() ? " rgba8" : code.format == Format::R16 ? " r16" : " r32f";
-}
-
-Format formatOf(const Volume& v, const TexelCode& code) { return v.isColour() ? Format::Rgba8 : code.format; }
-
-std::span<const std::byte> texelsOf(const Volume& v, const TexelCode& code, std::int64_t slice,
-                                    std::vector<std::byte>& scratch) {
-  if (!v.isColour()) return slicedTexels(v, code, slice, scratch);
-  const GridGeometry& g = v.grid();
-  scratch.resize(static_cast<std::size_t>(g.columns * g.rows) * kColourBytes);
-  std::size_t n = 0;
-  for (std::int64_t j = 0; j < g.rows; ++j)
-    for (std::int64_t i = 0; i < g.columns; ++i)
-      for (const std::uint8_t c : v.rgba(i, j, slice)) scratch[n++] = static_cast<std::byte>(c);
-  return scratch;
-}
-
-// Row `at` (axis 1) or column `at` (axis 0) of every slice, one slice after the other.
-std::vector<std::byte> acrossSlices(const Volume& v, const TexelCode& code, int axis, std::int64_t at) {
-  const GridGeometry& g = v.grid();
-  const std::int64_t width = axis == 0 ? g.rows : g.columns;
-  const auto size = static_cast<std::size_t>(width * g.slices);
-  const auto place = [&](std::int64_t n) { return axis == 0 ? glm::i64vec2(at, n) : glm::i64vec2(n, at); };
-  std::vector<std::byte> gathered, scratch;
-  if (v.isColour()) {
-    for (std::int64_t k = 0; k < g.slices; ++k)
-      for (std::int64_t n = 0; n < width; ++n)
-        for (const std::uint8_t c : v.rgba(place(n).x, place(n).y, k))
-          gathered.push_back(static_cast<std::byte>(c));
-    return gathered;
-  }
-  const std::size_t bytes = bytesOf(v.type());
-  gathered.resize(size * bytes);
-  std::byte* to = gathered.data();
-  for (std::int64_t k = 0; k < g.slices; ++k)
-    for (std::int64_t n = 0; n < width; ++n, to += bytes)
-      std::memcpy(
-          to, v.data() + static_cast<std::size_t>(place(n).x + g.columns * (place(n).y + g.rows * k)) * bytes,
-          bytes);
-  if (v.type() == VoxelType::U16) return gathered;
-  converted(v, code, gathered.data(), size, scratch);
-  return scratch;
-}
-
-Error tooLarge(const Device& device, const DeviceCache& cache, std::uint64_t bytes) {
-  return makeError(ErrorCode::OutOfMemory,
-                   "The volume needs " + std::to_string(bytes >> 20) + " MB as a texture and GL may hold " +
-                       std::to_string(cache.limit() >> 20) + " MB.",
-                   device.limits().renderer);
-}
-
-}  // namespace
-
 Result<std::shared_ptr<const Texture>> volumeTexture(Device& device, const Volume& volume,
-                                                     const TexelCode& code, std::int64_t first,
-                                                     std::int64_t count, std::stop_token stop) {
+                                                     const TexelCode& code, std::stop_token stop) {
   const GridGeometry& g = volume.grid();
-  const std::uint64_t bytes = static_cast<std::uint64_t>(g.columns) * static_cast<std::uint64_t>(g.rows) *
-                              static_cast<std::uint64_t>(count) * bytesOfTexel(volume, code);
-  if (bytes > device.cache().limit()) return tooLarge(device, device.cache(), bytes);
-  const bool whole = first == 0 && count == g.slices;
-  const std::string kind = (whole ? "volume" : "slab of " + std::to_string(count)) + suffixOf(volume, code);
-  return device.cache().get({kind, volume.revision(), first}, [&]() -> Result<Texture> {
-    Result<Texture> t = device.texture3d(formatOf(volume, code), static_cast<int>(g.columns),
-                                         static_cast<int>(g.rows), static_cast<int>(count));
+  if (code.bytes(g) > device.cache().limit())
+    return makeError(ErrorCode::OutOfMemory, "The volume needs " + std::to_string(code.bytes(g) >> 20) +
+                                                 " MB as a texture and GL may hold " +
+                                                 std::to_string(device.cache().limit() >> 20) + " MB.");
+  const char* kind = code.format == Format::R16 ? "volume r16" : "volume r32f";
+  return device.cache().get({kind, volume.revision(), 0}, [&]() -> Result<Texture> {
+    Result<Texture> t = device.texture3d(code.format, static_cast<int>(g.columns), static_cast<int>(g.rows),
+                                         static_cast<int>(g.slices));
     if (!t) return t;
     std::vector<std::byte> scratch;
-    for (std::int64_t k = 0; k < count; ++k) {
-      if (stop.stop_requested()) return makeError(ErrorCode::Cancelled, "The upload was cancelled.");
+    for (std::int64_t k = 0; k < g.slices; ++k) {
+      if (stop.stop_requested()) return makeError(ErrorCode::Cancelled, "The volume's upload was cancelled.");
       Result<void> r =
-          device.uploadSlices(*t, static_cast<int>(k), 1, texelsOf(volume, code, first + k, scratch));
+          device.uploadSlices(*t, static_cast<int>(k), 1, slicedTexels(volume, code, k, scratch));
       if (!r) return r.error();
     }
     return t;
-  });
-}
-
-Result<std::shared_ptr<const Texture>> planeTexture(Device& device, const Volume& volume,
-                                                    const TexelCode& code, int axis, std::int64_t at) {
-  constexpr const char* kinds[] = {"column plane", "row plane", "slice"};
-  const GridGeometry& g = volume.grid();
-  return device.cache().get({std::string(kinds[axis]) + suffixOf(volume, code), volume.revision(), at}, [&] {
-    std::vector<std::byte> scratch;
-    if (axis != 2) scratch = acrossSlices(volume, code, axis, at);
-    const std::span<const std::byte> texels =
-        axis == 2 ? texelsOf(volume, code, at, scratch) : std::span<const std::byte>(scratch);
-    return device.texture2d(formatOf(volume, code), static_cast<int>(axis == 0 ? g.rows : g.columns),
-                            static_cast<int>(axis == 2 ? g.rows : g.slices), texels);
   });
 }
 

@@ -67,6 +67,17 @@ std::vector<float> vertexFloats(const std::vector<Strip>& strips, const GridGeom
   return out;
 }
 
+Result<std::shared_ptr<const gpu::Texture>> sliceTexture(gpu::Device& device, const Volume& volume,
+                                                         const TexelCode& code, std::int64_t slice,
+                                                         std::vector<std::byte>& scratch) {
+  const char* kind = code.format == gpu::Format::R16 ? "slice r16" : "slice r32f";
+  return device.cache().get({kind, volume.revision(), slice}, [&] {
+    return device.texture2d(code.format, static_cast<int>(volume.grid().columns),
+                            static_cast<int>(volume.grid().rows),
+                            gpu::slicedTexels(volume, code, slice, scratch));
+  });
+}
+
 void addStripUniforms(std::vector<gpu::Uniform>& u, const SliceParams& p, const Strip& s) {
   const GridGeometry& g = p.volume->grid();
   const glm::dvec2 shift0 = shiftOf(g, s.part.first), shift1 = shiftOf(g, s.part.second);
@@ -133,7 +144,7 @@ class StripPainter {
       const Strip& s = strips[n];
       for (const std::int64_t slice : {s.part.first, s.part.second})
         if (!textures.contains(slice)) {
-          auto t = gpu::planeTexture(device_, *p_.volume, code_, 2, slice);
+          auto t = sliceTexture(device_, *p_.volume, code_, slice, scratch_);
           if (!t) return t.error();
           textures[slice] = *t;
         }
@@ -165,6 +176,7 @@ class StripPainter {
   const TexelCode& code_;
   bool fixed_;
   std::shared_ptr<const gpu::Program> program_;
+  std::vector<std::byte> scratch_;
 };
 
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {

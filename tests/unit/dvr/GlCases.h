@@ -78,8 +78,9 @@ class DvrHost final : public Host {
 
  private:
   DvrHost() {
-    for (Technique (*make)(Host&) : {dvr::glRaysTechnique, dvr::glStacksTechnique, dvr::glStacks2Technique,
-                                     dvr::glStacks4Technique, dvr::glUncorrectedStacksTechnique})
+    for (Technique (*make)(Host&) :
+         {dvr::glRaysTechnique, dvr::glStacksTechnique, dvr::glStacks2Technique, dvr::glStacks4Technique,
+          dvr::glUncorrectedStacksTechnique, dvr::glSlabsTechnique, dvr::glStripsTechnique})
       EXPECT_TRUE(addTechnique(make(*this)).ok());
     Technique surfaces;  // only says that somebody here draws tools
     surfaces.name = "surface.test", surfaces.kinds = {"surface"};
@@ -105,6 +106,7 @@ struct DvrCase {
   View view{64, 56};
   Quality quality;
   Sources sources;
+  std::optional<std::uint64_t> budget;  // of textures
   explicit DvrCase(std::shared_ptr<const Volume> volume = bumpyVolume(), bool iso = false) {
     sources.volumes["v"] = std::move(volume);
     if (iso) {
@@ -145,7 +147,9 @@ struct DvrCase {
     Quality q = quality;
     q.technique = technique;
     const DvrHost& host = DvrHost::instance();
-    return makePlan(scene, view, q, host.capabilities, CostTable{}, sources, host.registry);
+    Capabilities machine = host.capabilities;
+    if (budget) machine.glTextureBudget_bytes = *budget;
+    return makePlan(scene, view, q, machine, CostTable{}, sources, host.registry);
   }
   Result<Images> draw(const std::string& technique, std::stop_token stop = {}) const {
     const Result<Plan> p = plan(technique);
@@ -249,8 +253,8 @@ class DvrTruth {
     return layer_.opacity == OpacityRule::Linear ? opacityOverLinear(a, lengths) : opacityOver(a, lengths);
   }
 
-  // Rays on the lattice.
-  glm::dvec3 rays(double x, double y) const {
+  // Rays on the lattice; planar: of view-aligned slices, whose lattice counts depth along the view.
+  glm::dvec3 rays(double x, double y, bool planar = false) const {
     const RaySpan s = span(x, y);
     const native::ToolsOnRay t = tools(x, y);
     glm::dvec3 colour(0), behind = t.ends() ? t.endColour : rgb(case_.scene.background);
@@ -258,7 +262,7 @@ class DvrTruth {
     for (std::size_t n = 0; n <= t.layers.size(); ++n) {
       const double at = n < t.layers.size() ? t.layers[n].t_mm : s.exit_mm;
       const double to = std::clamp(at, s.entry_mm, std::max(s.entry_mm, s.exit_mm));
-      if (!s.empty() && from < to) addPart(x, y, from, to, colour, left);
+      if (!s.empty() && from < to) addPart(x, y, from, to, planar, colour, left);
       from = to;
       if (n == t.layers.size()) break;
       colour += left * glm::dvec3(t.layers[n].r, t.layers[n].g, t.layers[n].b);
@@ -266,28 +270,29 @@ class DvrTruth {
     }
     return colour + left * behind;
   }
-  void addPart(double x, double y, double from, double to, glm::dvec3& colour, double& left) const {
-    const double d = case_.step_mm();
+  void addPart(double x, double y, double from, double to, bool planar, glm::dvec3& colour,
+               double& left) const {
+    const double lengths = planar ? camera_.rayPerDepth(x, y) : 1, d = case_.step_mm() * lengths;
     for (double k = std::floor(from / d); k * d < to; ++k) {
       const double share = (std::min(to, (k + 1) * d) - std::max(from, k * d)) / d;
       if (share <= 0) continue;
       const bool pairs = layer_.classification == Classification::PreIntegrated;
-      const glm::dvec4 c = pairs ? between(x, y, k * d, d) : sample(x, y, (k + 0.5) * d, d);
-      const double a = opacityOver(c.w, share);
+      const glm::dvec4 c = pairs ? between(x, y, k * d, d, d / lengths) : sample(x, y, (k + 0.5) * d, d);
+      const double a = opacityOver(c.w, pairs ? share * lengths : share);
       colour += left * a * glm::dvec3(c);
       left *= 1 - a;
     }
   }
 
-  // The step from t on, along which the value goes evenly: by a thousand thin pieces.
-  glm::dvec4 between(double x, double y, double t, double d) const {
+  // From t to t + d the value goes evenly, along a step of the table's length: by a thousand thin pieces.
+  glm::dvec4 between(double x, double y, double t, double d, double table_mm) const {
     const TransferFunction& f = *layer_.transfer;
     const std::optional<double> front = fieldAt(x, y, t), back = fieldAt(x, y, t + d);
     glm::dvec3 colour(0);
     double left = 1;
     for (int n = 0; n < 1000; ++n) {
       const double v = std::lerp(*front, *back, (n + 0.5) / 1000);
-      const double a = opacityOver(opacityAt(f, v), d / 1000 / f.opacityLength_mm);
+      const double a = opacityOver(opacityAt(f, v), table_mm / 1000 / f.opacityLength_mm);
       colour += left * a * colourAt(f, v);
       left *= 1 - a;
     }
@@ -422,6 +427,47 @@ class DvrTruth {
       for (const StackSample& n : stackSamples(x, y, s, axis, perVoxel))
         if (const std::optional<double> v = field(n.voxel); n.met && v && (!best || sign * *v > sign * *best))
           best = v;
+    if (!best) return behind;
+    const double a = opacityAt(*layer_.transfer, *best);
+    return a * colourAt(*layer_.transfer, *best) + (1 - a) * behind;
+  }
+
+  // The nearest view-aligned slice at which the level is reached, and the extreme of these slices.
+  template <class Take>
+  void eachPlanarSample(double x, double y, Take take) const {
+    const RaySpan s = span(x, y);
+    const double d = case_.step_mm() * camera_.rayPerDepth(x, y);
+    if (s.empty()) return;
+    for (double k = std::floor(s.entry_mm / d); (k + 0.5) * d <= s.exit_mm; ++k)
+      if ((k + 0.5) * d >= s.entry_mm && !take((k + 0.5) * d)) return;
+  }
+  glm::dvec3 planarIso(double x, double y) const {
+    const native::ToolsOnRay t = tools(x, y);
+    glm::dvec3 seen = t.ends() ? t.endColour : rgb(case_.scene.background);
+    const Material& m = iso_.material;
+    eachPlanarSample(x, y, [&](double at) {
+      const std::optional<double> v = fieldAt(x, y, at);
+      if (!v || *v < *iso_.level) return true;
+      seen = lit(m, rgb(m.ambientColour), rgb(m.diffuseColour), gradient(voxelAt(x, y, at), *v),
+                 -camera_.ray(x, y).direction.v);
+      return false;
+    });
+    return seen;
+  }
+  glm::dvec3 planarExtreme(double x, double y) const {
+    const native::ToolsOnRay t = tools(x, y);
+    const glm::dvec3 behind = t.ends() ? t.endColour : rgb(case_.scene.background);
+    const double sign = layer_.mode == VolumeMode::Min ? -1 : 1;
+    std::optional<double> best;
+    glm::dvec3 channels(-1e9);
+    eachPlanarSample(x, y, [&](double at) {
+      if (volume_.isColour())
+        channels = glm::max(channels, sign * glm::dvec3(colourSample(voxelAt(x, y, at), 1)));
+      else if (const std::optional<double> v = fieldAt(x, y, at); v && (!best || sign * *v > sign * *best))
+        best = v;
+      return true;
+    });
+    if (channels.x > -1e8) return sign * channels;
     if (!best) return behind;
     const double a = opacityAt(*layer_.transfer, *best);
     return a * colourAt(*layer_.transfer, *best) + (1 - a) * behind;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How voxels become texels, the same for every technique, so that they share textures in the device's cache.
-// 8 and 16-bit voxels are R16 textures (on software renderers R8 is slower and filters in 8 bits); 32-bit
-// integers and floats are R32F, counted from the least value, NaN and padding as a number far outside. Colour
-// volumes are RGBA8. Render thread only, but for the pure functions.
+// Voxels as GL textures, for every technique that samples a volume on GL: exact values, one texture per
+// volume in the device's cache.
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -18,47 +17,37 @@
 
 namespace vernier::gpu {
 
-// Of a grey volume: value = texel * scale - bias, rounded to a whole number first where scale > 0; modality =
-// slope * value + modalityAtBias.
-struct TexelCode {
+// 8 and 16-bit voxels are R16 textures (on software renderers R8 is slower and filters in 8 bits); 32-bit
+// integers and floats are R32F, counted from the least value, NaN and padding as a number far outside.
+struct VERNIER_API TexelCode {
   Format format = Format::R16;
-  float scale = 65535.0f, bias = 0.0f;
-  double storedBias = 0;  // the stored value that becomes 0
+  float scale = 65535.0f, bias = 0.0f;  // value = texel * scale - bias
+  double storedBias = 0;                // the stored value that becomes 0
   double modalityAtBias = 0, slope = 1;
   double modalityRange = 0;
   float noDataFirst = 3.2e38f, noDataLast = 3.3e38f;  // none
-  // Of the whole volume as textures.
-  VERNIER_API std::uint64_t bytes(const GridGeometry& g) const;
+  std::uint64_t bytes(const GridGeometry& g) const;   // of the whole volume as textures
 };
-// NoTechnique, with the sentence, where GL textures cannot hold these voxels exactly. Pure.
+// An Error says why GL textures cannot hold these voxels exactly.
 VERNIER_API Result<TexelCode> texelCode(const Volume&);
-// One slice as texels; `scratch` may hold them. Pure.
+// n stored values from `from` on as texels; `scratch` may hold them.
+VERNIER_API std::span<const std::byte> convertedTexels(const Volume&, const TexelCode&, const std::byte* from,
+                                                       std::size_t n, std::vector<std::byte>& scratch);
+// One slice as texels; `scratch` may hold them.
 VERNIER_API std::span<const std::byte> slicedTexels(const Volume&, const TexelCode&, std::int64_t slice,
                                                     std::vector<std::byte>& scratch);
-// The card's filter has weights of 8 bits and knows neither padding nor shifted slices. Pure.
+// 8-bit weights of the card's own filter; no padding, no shifted slices.
 VERNIER_API bool mayUseFixedFunction(const Volume&, Interpolation);
 
-// GLSL that turns texels of grey volumes into values (weighed(texel, weight): .x weighted value, .y weight),
-// and what it needs.
+// GLSL that turns texels into values (weighed(texel, weight): .x weighted value, .y weight), and what it
+// needs.
 VERNIER_API std::string_view texelShader();
 VERNIER_API void addTexelUniforms(std::vector<Uniform>&, const TexelCode&);
 
-// Why one 3-D texture cannot hold this grey volume, in one sentence; "" when it can. Pure.
+// Why a 3-D texture cannot hold this volume, in one sentence; "" when it can.
 VERNIER_API std::string whyNotTexture3d(const Volume&, const TexelCode&, const Capabilities&);
-
-// Slices first .. first + count - 1 as a 3-D texture, of a colour volume as RGBA8 (then `code` takes no
-// part). Kept in the device's cache. OutOfMemory, with the numbers, where it exceeds what the cache may hold;
-// Cancelled.
+// The whole volume, from the cache or uploaded slice by slice. OutOfMemory with numbers; Cancelled.
 VERNIER_API Result<std::shared_ptr<const Texture>> volumeTexture(Device&, const Volume&, const TexelCode&,
-                                                                 std::int64_t first, std::int64_t count,
                                                                  std::stop_token);
-inline Result<std::shared_ptr<const Texture>> volumeTexture(Device& device, const Volume& volume,
-                                                            const TexelCode& code, std::stop_token stop) {
-  return volumeTexture(device, volume, code, 0, volume.grid().slices, std::move(stop));
-}
-// The plane `at` across axis 0, 1 or 2 (columns, rows, slices), kept in the cache likewise. Width and height
-// are the extents along the axes that follow in the order x, y, z: (y, z), (x, z) or (x, y).
-VERNIER_API Result<std::shared_ptr<const Texture>> planeTexture(Device&, const Volume&, const TexelCode&,
-                                                                int axis, std::int64_t at);
 
 }  // namespace vernier::gpu
