@@ -64,8 +64,8 @@
 //   isosurface   the first place whose value is at least the level is an opaque tool. Where the span, or its
 //                data, begin there or above it is a face turned to the eye
 // Colour volumes. Blend: channels times gains, held in 0..1, alpha of a smallest spacing, opaque at once as
-// above; without alpha it is 1 times its gain. Max, min by channel as the projections' of grey: K +
-// max(greatest of T channel, E), where data show; alpha takes no part. They are not shaded.
+// above; without alpha it is 1 times its gain. Max, min: of each channel by itself, opaque where it is first
+// reached; alpha takes no part. They are not shaded.
 // The truth is always exact post-classification: pre-classification, tables and OpacityRule::Linear are
 // engines' approximations of it, and their distance is in the model error.
 //
@@ -80,8 +80,8 @@
 //
 // Implementation is known of blended volumes with post-classification asked for: samples at (k + 1/2) step *
 // smallest spacing from the lattice's origin, of as much of their step as span and tools leave, their place
-// held in the box of voxel centres, opacity by the layer's rule. Of all else that looks through a volume it
-// is refused.
+// held in the box of voxel centres, opacity by the layer's rule, of part of a step by exponent. Of all else
+// that looks through a volume it is refused.
 //
 // Thread-safe; spreads the pixels with parallelFor. Errors: SceneInvalid (a source is missing, a pixel lies
 // outside the picture), GeometryRefused (a look through a single slice), PlaneDegenerate, NotBuiltYet,
