@@ -93,6 +93,8 @@ TEST(VolumeLattice, TendsToTheTruth) {
   const double a = 0.5 * 0.5;                          // half a mm
   EXPECT_NEAR(sampled(linear, 0.5).y, 0.5 * (1 - std::pow(1 - a, 6)), 1e-13);
   EXPECT_GT(glm::length(sampled(linear, 0.01) - truth), 1e-3);
+  linear.clipBefore(0.2);  // 0.3 of the first step are left
+  EXPECT_NEAR(sampled(linear, 0.5).y, 0.5 * (1 - std::pow(1 - a, 5.6)), 1e-13);
 }
 
 TEST(VolumeLattice, NoDataAndColours) {

@@ -335,11 +335,13 @@ TEST(VolumeReference, ColourVolumes) {
   VolumeScene max = colours(VolumeMode::Max, {2, 1, 1, 1});
   max.scene.background = {1, 1, 1};
   expectPixel(max, {0.4, 0.2, 1}, 1e-12);
+  // As opaque things, each where it is first reached: green and blue at the beginning.
   max.sheet(1.5, 1, kOlive);
-  expectPixel(max, {0.5, 0.9, 1}, 1e-12);
-  VolumeScene weighed = colours(VolumeMode::Max, {2, 1, 1, 1});
-  weighed.sheet(1.5, 0.5, kRed);
-  expectPixel(weighed, {0.5 + 0.2, 0.2, 1}, 1e-12);
+  expectPixel(max, {0.2, 0.2, 1}, 1e-12);
+  max.sheet(1.2, 0.25, {1, 0, 1});
+  expectPixel(max, {0.25 + 0.75 * 0.2, 0.2, 1}, 1e-12);
+  max.sheet(-1, 0.5, {0, 1, 0});
+  expectPixel(max, {0.5 * (0.25 + 0.75 * 0.2), 0.5 + 0.5 * 0.2, 0.5}, 1e-12);
   VolumeScene min = colours(VolumeMode::Min, {2, 1, 1, 1});
   min.clipBefore(0.75);
   expectPixel(min, {0.1, 0.2, 1}, 1e-12);
