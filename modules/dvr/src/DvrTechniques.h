@@ -12,6 +12,8 @@ Technique glStacks2Technique(Host&);
 Technique glStacks4Technique(Host&);
 Technique glUncorrectedStacksTechnique(Host&);
 
+Technique glCombinedTechnique(Host&);  // GlCombined.cpp
+
 // GlSlabs.cpp
 Technique glSlabsTechnique(Host&);
 Technique glStripsTechnique(Host&);
