@@ -64,7 +64,7 @@ void addLight(std::vector<gpu::Uniform>& u, const GlVolumeJob& job) {
 }
 
 std::string definesOf(const GlVolumeJob& job) {
-  std::string d = job.extreme() || job.iso ? "" : "#define CLASSIFY\n";
+  std::string d = job.extreme() || job.iso || job.combination ? "" : "#define CLASSIFY\n";
   if (job.volume->isColour()) {
     d += "#define RGBA\nuniform float rgbaLengths;\n";
   } else if (!job.iso && !job.extreme()) {

@@ -23,11 +23,12 @@ Result<void> takeVolume(const VolumeLayer& layer, const std::string& where, GlVo
   job.mode = layer.mode, job.gains = layer.gains, job.opacity = layer.opacity;
   job.interpolation = layer.interpolation, job.shading = layer.shading, job.material = layer.material;
   job.combiner = layer.combiner, job.outlines = layer.outlines;
+  if (!job.combiner.empty()) job.shading = ShadingModel::None;
   job.classification = layer.classification.value_or(Classification::Post);
   if (layer.interpolation == Interpolation::Cubic)
     return cannot("Volumes are interpolated nearest or linear.");
   if (job.volume->isColour()) {
-    if (layer.shading != ShadingModel::None)
+    if (job.shading != ShadingModel::None)
       return cannot("A colour volume has no values whose gradient could be shaded.");
     job.classification = Classification::Post;
     return {};

@@ -12,6 +12,8 @@
 
 namespace vernier::dvr {
 
+struct Combiner;  // Combiner.h
+
 struct GlVolumeJob final : PassParams {
   std::shared_ptr<const Volume> volume;  // even slices
   gpu::TexelCode code;                   // of grey volumes
@@ -33,7 +35,9 @@ struct GlVolumeJob final : PassParams {
   ShadingModel shading = ShadingModel::None;
   Material material;
   std::vector<Light> lights;  // at least one
-  std::string combiner;
+  std::string combiner;       // its name; `shading` is None then
+  std::shared_ptr<const Combiner> combination;
+  bool combinationNeedsNormals = false;
   bool outlines = false;
   bool fixedFunction = false;   // the card's filter instead of float interpolation
   std::int64_t slabSlices = 0;  // of techniques that draw slab by slab

@@ -78,9 +78,9 @@ class DvrHost final : public Host {
 
  private:
   DvrHost() {
-    for (Technique (*make)(Host&) :
-         {dvr::glRaysTechnique, dvr::glStacksTechnique, dvr::glStacks2Technique, dvr::glStacks4Technique,
-          dvr::glUncorrectedStacksTechnique, dvr::glSlabsTechnique, dvr::glStripsTechnique})
+    for (Technique (*make)(Host&) : {dvr::glRaysTechnique, dvr::glStacksTechnique, dvr::glStacks2Technique,
+                                     dvr::glStacks4Technique, dvr::glUncorrectedStacksTechnique,
+                                     dvr::glSlabsTechnique, dvr::glStripsTechnique, dvr::glCombinedTechnique})
       EXPECT_TRUE(addTechnique(make(*this)).ok());
     Technique surfaces;  // only says that somebody here draws tools
     surfaces.name = "surface.test", surfaces.kinds = {"surface"};
@@ -175,6 +175,8 @@ class DvrTruth {
   }
 
   const CameraPicture& camera() const { return camera_; }
+  const VolumeLayer& layer() const { return layer_; }
+  const Material& material() const { return iso_.source.empty() ? layer_.material : iso_.material; }
   const std::vector<HalfSpace>& region() const { return region_; }
   RaySpan span(double x, double y) const {
     RaySpan s = spanOf(camera_.ray(x, y), region_, camera_.near_mm * camera_.rayPerDepth(x, y));
