@@ -159,17 +159,16 @@ struct Tables {
   std::shared_ptr<const native::VisibleBricks> visible;
 };
 
-constexpr int kReferenceEntries = 512;
-
 Result<DerivedCache::Made<Tables>> makeTables(const VolumeParams& p, const native::ProjectionBounds* bounds) {
   const native::VolumeRenderJob& job = p.job;
-  const Volume::Range range =
-      transferTableRange(p.function, p.look.volume->modalityRange().value_or(Volume::Range{0, 1}));
+  const Volume::Range values = p.look.volume->modalityRange().value_or(Volume::Range{0, 1});
+  Volume::Range range = transferTableRange(p.function, values);
   auto out = std::make_shared<Tables>();
   std::uint64_t bytes = 0;
   int entries = kTransferEntries;
   if (job.classification == Classification::PreIntegrated) {
-    Result<PreIntegratedTable> t = makePreIntegratedTable(p.function, range, job.step_mm, kReferenceEntries);
+    range = preIntegratedRange(p.function, values);
+    Result<PreIntegratedTable> t = makePreIntegratedTable(p.function, range, job.step_mm);
     if (!t) return t.error();
     entries = t->size, bytes += sizeof(float) * t->rgba.size();
     out->preIntegrated = *std::move(t);

@@ -28,14 +28,18 @@ struct VolumeCase {
     return images;
   }
   Volume::Range range() const {
-    return transferTableRange(*function, volume->modalityRange().value_or(Volume::Range{0, 1}));
+    const Volume::Range values = volume->modalityRange().value_or(Volume::Range{0, 1});
+    return job.classification == Classification::PreIntegrated ? preIntegratedRange(*function, values)
+                                                               : transferTableRange(*function, values);
   }
   // Tables for a step in mm.
   void setStep(double step_mm) {
     job.step_mm = step_mm;
     Result<TransferTable> t =
         makeTransferTable(*function, range(), step_mm, job.opacity == OpacityRule::Linear);
-    Result<PreIntegratedTable> p = makePreIntegratedTable(*function, range(), step_mm, 512);
+    const Volume::Range values = volume->modalityRange().value_or(Volume::Range{0, 1});
+    Result<PreIntegratedTable> p =
+        makePreIntegratedTable(*function, preIntegratedRange(*function, values), step_mm);
     ASSERT_TRUE(t && p);
     table = std::make_shared<const TransferTable>(*std::move(t));
     preIntegrated = std::make_shared<const PreIntegratedTable>(*std::move(p));
