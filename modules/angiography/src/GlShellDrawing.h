@@ -86,7 +86,9 @@ class GlDrawing {
   }
   std::string defines() const;
   std::vector<gpu::Uniform> uniforms(bool withCuts) const;
+  glm::dvec2 rampOfDepth() const;  // z' = x + y times depth, in perspective times 1 / depth
   glm::vec2 zStarOf(std::size_t shell) const;
+  glm::vec2 zStarOfTools() const;
   std::vector<float> capTexels(std::size_t which) const;
   double depthOf(std::size_t pixel, const std::vector<float>& seen, const std::vector<float>& winners) const;
   native::ToolsOnRay toolsOn(std::size_t pixel) const;

@@ -5,7 +5,10 @@
 namespace vernier::dvr {
 
 Result<void> registerDvr(Host& host) {
-  for (Technique (*make)(Host&) : {nativeVolumeTechnique, nativeIsosurfaceTechnique})
+  for (Technique (*make)(Host&) :
+       {nativeVolumeTechnique, nativeIsosurfaceTechnique, glRaysTechnique, glStacksTechnique,
+        glStacks2Technique, glStacks4Technique, glUncorrectedStacksTechnique, glCombinedTechnique,
+        glSlabsTechnique, glStripsTechnique})
     if (Result<void> added = host.addTechnique(make(host)); !added) return added;
   return {};
 }

@@ -8,7 +8,7 @@
 
 namespace vernier::gpu {
 
-inline constexpr int kMaxUnits = 8;  // texture units that a draw may use
+inline constexpr int kMaxUnits = 16;  // texture units that a draw may use; every GL 3.3 has as many
 
 struct Device::Impl {
   explicit Impl(std::uint64_t cacheLimit_bytes) : cache(cacheLimit_bytes) {}

@@ -86,6 +86,8 @@ FormatInfo infoOf(Format f) {
       return {GL_R16_SNORM, GL_RED, GL_SHORT, 1, 2};
     case Format::R32F:
       return {GL_R32F, GL_RED, GL_FLOAT, 1, 4};
+    case Format::Rgba8:
+      return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4, 4};
     case Format::Rgba32F:
       return {GL_RGBA32F, GL_RGBA, GL_FLOAT, 4, 16};
   }

@@ -33,9 +33,12 @@ void stateBlend(const GladGLContext& gl, const DrawState& s) {
   set(gl, GL_BLEND, s.blend != Blend::Off);
   gl.BlendColor(0, 0, 0, 0);
   gl.BlendEquation(s.blend == Blend::Max ? GL_MAX : s.blend == Blend::Min ? GL_MIN : GL_FUNC_ADD);
-  gl.BlendFunc(GL_ONE, s.blend == Blend::Over  ? GL_ONE_MINUS_SRC_ALPHA
-                       : s.blend == Blend::Off ? GL_ZERO
-                                               : GL_ONE);
+  if (s.blend == Blend::Remaining)
+    gl.BlendFuncSeparate(GL_ONE, GL_SRC_ALPHA, GL_ZERO, GL_SRC_ALPHA);
+  else
+    gl.BlendFunc(GL_ONE, s.blend == Blend::Over  ? GL_ONE_MINUS_SRC_ALPHA
+                         : s.blend == Blend::Off ? GL_ZERO
+                                                 : GL_ONE);
   const auto mask = [&](int c) -> GLboolean {
     return s.colourMask[static_cast<std::size_t>(c)] ? GL_TRUE : GL_FALSE;
   };

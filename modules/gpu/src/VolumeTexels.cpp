@@ -101,10 +101,8 @@ Result<TexelCode> texelCode(const Volume& v) {
   return code;
 }
 
-std::span<const std::byte> slicedTexels(const Volume& v, const TexelCode& code, std::int64_t slice,
-                                        std::vector<std::byte>& scratch) {
-  const std::size_t n = static_cast<std::size_t>(v.grid().columns) * static_cast<std::size_t>(v.grid().rows);
-  const std::byte* from = v.data() + static_cast<std::size_t>(slice) * n * bytesOf(v.type());
+std::span<const std::byte> convertedTexels(const Volume& v, const TexelCode& code, const std::byte* from,
+                                           std::size_t n, std::vector<std::byte>& scratch) {
   if (v.type() == VoxelType::U16) return {from, 2 * n};
   scratch.resize(n * (code.format == Format::R16 ? 2 : 4));
   auto* r16 = reinterpret_cast<std::uint16_t*>(scratch.data());
@@ -132,6 +130,13 @@ std::span<const std::byte> slicedTexels(const Volume& v, const TexelCode& code, 
       break;
   }
   return scratch;
+}
+
+std::span<const std::byte> slicedTexels(const Volume& v, const TexelCode& code, std::int64_t slice,
+                                        std::vector<std::byte>& scratch) {
+  const std::size_t n = static_cast<std::size_t>(v.grid().columns) * static_cast<std::size_t>(v.grid().rows);
+  return convertedTexels(v, code, v.data() + static_cast<std::size_t>(slice) * n * bytesOf(v.type()), n,
+                         scratch);
 }
 
 bool mayUseFixedFunction(const Volume& v, Interpolation interpolation) {

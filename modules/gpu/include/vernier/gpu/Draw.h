@@ -17,11 +17,13 @@ class Texture;
 class VertexData;
 class Program;
 
-enum class Format { R8, R16, R16Snorm, R32F, Rgba32F };
+enum class Format { R8, R16, R16Snorm, R32F, Rgba8, Rgba32F };
 enum class Filter { Nearest, Linear };
 enum class Wrap { Edge, Zero };  // Zero: outside 0..1 reads 0
 enum class DepthTest { Off, Less, LessEqual, Greater, GreaterEqual };
-enum class Blend { Off, Over, Add, Max, Min };  // Over: premultiplied colour
+// Over: premultiplied colour. Remaining: alpha is what is left of what lies behind, (ONE, SRC_ALPHA); the
+// target's alpha is multiplied by it.
+enum class Blend { Off, Over, Add, Max, Min, Remaining };
 enum class Cull { Off, Back, Front };  // Front faces are counter-clockwise in the picture as one sees it
 enum class Primitive { Triangles, TriangleStrip, TriangleFan };
 

@@ -30,6 +30,9 @@ struct VERNIER_API TexelCode {
 };
 // An Error says why GL textures cannot hold these voxels exactly.
 VERNIER_API Result<TexelCode> texelCode(const Volume&);
+// n stored values from `from` on as texels; `scratch` may hold them.
+VERNIER_API std::span<const std::byte> convertedTexels(const Volume&, const TexelCode&, const std::byte* from,
+                                                       std::size_t n, std::vector<std::byte>& scratch);
 // One slice as texels; `scratch` may hold them.
 VERNIER_API std::span<const std::byte> slicedTexels(const Volume&, const TexelCode&, std::int64_t slice,
                                                     std::vector<std::byte>& scratch);

@@ -1,0 +1,1 @@
+bool isData(float value) { return value < noDataFirst || value > noDataLast; }

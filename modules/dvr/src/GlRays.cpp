@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// dvr.rays: ray casting in a fragment shader through a 3-D texture of the whole volume, on the view's
+// sampling lattice. Drawn in bands of rows, so that a cancel never waits for a whole picture.
+#include <algorithm>
+
+#include "DvrTechniques.h"
+#include "GlDrawing.h"
+
+namespace vernier::dvr {
+namespace {
+
+// Built-in costs on llvmpipe with two cores; the table of this machine wins.
+constexpr double kFloatRead_ns = 80.0, kFixedRead_ns = 40.0, kRay_ns = 200.0, kSetUp_ms = 10.0;
+// Rays end where less light than this is left; twice as much as that are levels of 255 that may be missed.
+constexpr float kEnough = 1.0f / 2048;
+
+const char* fragmentOf(const GlVolumeJob& job) {
+  return job.iso ? "iso.frag.glsl" : job.extreme() ? "extreme.frag.glsl" : "rays.frag.glsl";
+}
+
+Result<std::shared_ptr<const gpu::Program>> programOf(gpu::Device& device, const GlVolumeJob& job,
+                                                      const GlInputs& inputs) {
+  const char* fragment = fragmentOf(job);
+  const std::string& d = inputs.defines();
+  const bool classifies = !job.iso && !job.extreme();
+  const auto text = [&](std::string_view file, bool wanted) { return wanted ? file : std::string_view(); };
+  return device.program(
+      programName(std::string("dvr ") + fragment, d), shaderOf("", {"picture.vert.glsl"}),
+      shaderOf(d, {"ray.glsl", "value.glsl", text("classify.glsl", classifies), "volume.glsl",
+                   text("light.glsl", job.shaded()), text("gradient.glsl", job.shaded()), fragment}));
+}
+
+// One part of all rays into `target`, band by band.
+Result<void> drawBands(gpu::Device& device, const GlVolumeJob& job, const RayImages& rays, gpu::Draw& draw,
+                       const gpu::Target& target, std::stop_token stop) {
+  const auto most = static_cast<std::uint64_t>(static_cast<double>(kBatchReads) / readsPerSample(job));
+  for (int y = 0; y < job.camera.height_px;) {
+    std::uint64_t steps = 0;
+    const int first = y;
+    do steps += rays.stepsInRow[static_cast<std::size_t>(y++)];
+    while (y < job.camera.height_px && steps + rays.stepsInRow[static_cast<std::size_t>(y)] <= most);
+    if (steps == 0) continue;
+    if (stop.stop_requested()) return drawingCancelled();
+    draw.state.scissor = gpu::Rect{0, first, job.camera.width_px, y - first};
+    if (Result<void> r = device.draw(target, {&draw, 1}); !r) return r;
+    if (Result<void> r = device.limits().software ? device.finish() : Result<void>(); !r) return r;
+  }
+  return {};
+}
+
+Result<void> drawRays(gpu::Device& device, const GlVolumeJob& job, Images& images, std::stop_token stop) {
+  Result<RayParts> parts = RayParts::make(job, false, stop);
+  if (!parts) return parts.error();
+  Result<GlInputs> inputs = GlInputs::make(device, job, job.step_mm);
+  if (!inputs) return inputs.error();
+  auto volume = gpu::slabTexture(device, *job.volume, job.code, 0, job.volume->grid().slices, stop);
+  if (!volume) return volume.error();
+  auto program = programOf(device, job, *inputs);
+  if (!program) return program.error();
+  Result<gpu::VertexData> vertices = wholePicture(device, job);
+  if (!vertices) return vertices.error();
+  const std::array formats{gpu::Format::Rgba32F, gpu::Format::Rgba32F};
+  Result<gpu::Target> target = device.target(job.camera.width_px, job.camera.height_px, formats);
+  if (!target) return target.error();
+
+  PictureMaker picture(job, *parts);
+  for (std::size_t n = 0; n < parts->count(); ++n) {
+    const RayImages rays = parts->images(n, picture.through());
+    Result<RayTextures> textures = RayTextures::make(device, job, rays);
+    if (!textures) return textures.error();
+    for (int c = 0; c < 2; ++c)
+      if (Result<void> r = device.clear(*target, c, glm::vec4(0)); !r) return r;
+    gpu::Draw draw;
+    draw.program = program->get(), draw.vertices = &*vertices, draw.count = 4;
+    draw.primitive = gpu::Primitive::TriangleStrip;
+    inputs->addTo(draw);
+    textures->addTo(draw);
+    draw.textures.push_back(
+        {"volume", volume->get(), job.fixedFunction ? gpu::Filter::Linear : gpu::Filter::Nearest});
+    for (const auto& [name, value] : {std::pair{"firstSlice", 0.0f}, {"enough", kEnough}, {"rank", 0.0f}})
+      draw.uniforms.push_back({name, value});
+    if (Result<void> r = drawBands(device, job, rays, draw, *target, stop); !r) return r;
+    Result<DrawnPart> drawn = readBack(device, *target);
+    if (!drawn) return drawn.error();
+    picture.take(n, rays, *drawn);
+  }
+  picture.finish(images);
+  return {};
+}
+
+Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
+  Result<std::shared_ptr<GlVolumeJob>> made = glVolumeJob(layer, index, context);
+  if (!made) return made.error();
+  const GlVolumeJob& job = **made;
+  if (Result<void> r = checkPicture(job, context.capabilities); !r) return r.error();
+  if (Result<void> r = checkWhole3dTexture(job, context.capabilities); !r) return r.error();
+  if (job.extreme() && hasTranslucentTools(job))
+    return makeError(
+        ErrorCode::NoTechnique,
+        "A tool that is translucent among the extremes of a volume is not drawn on GL; make it opaque.");
+  if (!job.combiner.empty())
+    return makeError(ErrorCode::NoTechnique, "Combiners shade slices, not rays; ask for stacks.");
+  const GridGeometry& g = job.volume->grid();
+  Pass pass;
+  pass.name = (job.iso ? "iso-surface " : "volume ") + std::to_string(index);
+  pass.inputs = {"volume texture"};
+  if (!job.tools.empty()) pass.inputs.push_back("mesh");
+  pass.outputs = {"colour", "depth"};
+  if (context.view.wantValues) pass.outputs.push_back("values");
+  const std::uint64_t texel = gpu::bytesOfTexel(*job.volume, job.code);
+  const auto pixels =
+      static_cast<std::uint64_t>(job.camera.width_px) * static_cast<std::uint64_t>(job.camera.height_px);
+  pass.resources = {{"texture3d", texel * static_cast<std::uint64_t>(g.columns * g.rows * g.slices)},
+                    {"ray images", 32 * pixels}};
+  const auto known = context.costs.nsPerSample.find("dvr.rays");
+  const double ns = known != context.costs.nsPerSample.end() ? known->second
+                    : job.fixedFunction                      ? kFixedRead_ns
+                                                             : kFloatRead_ns;
+  pass.predicted_ms = kSetUp_ms + 1e-6 * (kRay_ns * static_cast<double>(pixels) +
+                                          ns * readsPerSample(job) * raysLength_mm(job) / job.step_mm);
+  pass.predictedError = predictedError(job, context.quality.step);
+  pass.fixedFunctionFiltering = job.fixedFunction;
+  pass.params = *made;
+  return std::vector<Pass>{std::move(pass)};
+}
+
+Result<void> execute(Host& host, const Pass& pass, Images& images, std::stop_token stop) {
+  const auto* job = dynamic_cast<const GlVolumeJob*>(pass.params.get());
+  if (!job) return makeError(ErrorCode::Internal, "The pass has no parameters of a volume.", "dvr.rays");
+  Result<gpu::Device*> device = host.glDevice();
+  if (!device) return device.error();
+  const Counters before = (*device)->counters();
+  if (Result<void> r = drawRays(**device, *job, images, stop); !r) return r;
+  addCounters(images.counters, before, (*device)->counters());
+  return {};
+}
+
+}  // namespace
+
+Technique glRaysTechnique(Host& host) {
+  Technique t;
+  t.name = "dvr.rays";
+  t.kinds = {"volume", "isosurface"};
+  t.engine = Engine::Gl;
+  t.passesFor = passesFor;
+  t.execute = [&host](const Pass& pass, Images& images, std::stop_token stop) {
+    return execute(host, pass, images, stop);
+  };
+  return t;
+}
+
+}  // namespace vernier::dvr
