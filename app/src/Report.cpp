@@ -77,6 +77,7 @@ Json errorFacts(const quality::ErrorReport& e, const std::string& goalNote) {
             {"rms", e.rms},
             {"p50", e.p50},
             {"p99", e.p99},
+            {"p95_inner", e.innerP95},
             {"bound", e.bound ? Json(*e.bound) : Json()},
             {"share", e.share},
             {"confidence", e.exhaustive ? 1.0 : e.confidence},

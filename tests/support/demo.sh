@@ -52,6 +52,26 @@ for projection in orthographic perspective; do
       --columns 5 --size 384x384 --views "$looks" --camera "azimuth=30,elevation=20,zoom=1.4,projection=$projection"
 done
 
+say "Volume rendering: by a transfer function, shaded in two ways, iso-surfaces, a tool inside, colours:"
+dvr=dvr,dvr-shaded,dvr-shaded:global-ambient,iso,iso:two-lights
+"$vernier" sheet "$out/ct-head" --out "$out/dvr-head.png" --title "synthetic head" --columns 5 --size 384x384 --views "$dvr" \
+  --camera azimuth=30,elevation=20,zoom=1.3
+"$vernier" sheet "$out/vessels" --out "$out/dvr-tool.png" --title "vessels and a screw" --columns 5 --size 384x384 \
+  --views "$dvr" --surface "$screw" --camera azimuth=30,elevation=20,zoom=1.4
+"$vernier" phantom rgba-spheres --out "$out" >/dev/null
+"$vernier" sheet "$out/rgba-spheres" --out "$out/dvr-colours.png" --title "red, green, blue and alpha" --columns 3 \
+  --size 384x384 --views dvr --camera azimuth=30,elevation=20
+for real in vol_headsq_ct vol_engine vol_cta_avm; do
+  [ -d "../shared/data/$real" ] || continue
+  "$vernier" sheet "../shared/data/$real" --out "$out/dvr-$real.png" --title "$real" --columns 5 --size 384x384 \
+    --views "$dvr" --camera azimuth=30,elevation=20,zoom=1.3
+done
+
+say "The same picture by every technique:"
+"$vernier" sheet "$out/vessels" --out "$out/dvr-techniques.png" --title "one picture, every technique" --columns 4 \
+  --size 384x384 --camera azimuth=30,elevation=20,zoom=1.4 \
+  --views "dvr:dvr.native+x1,dvr:dvr.native+x4,dvr:dvr.rays+x1,dvr:dvr.stacks+x1,dvr:dvr.stacks+x2,dvr:dvr.stacks+x4,dvr:dvr.stacks2+x1,dvr:dvr.slabs+x1"
+
 say "Broken series load too; what is wrong is said:"
 for broken in tilt gap uneven; do
   "$vernier" phantom "$broken" --out "$out" >/dev/null

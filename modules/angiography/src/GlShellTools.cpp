@@ -30,6 +30,7 @@ Result<void> GlDrawing::drawTools() {
   if (!target) return target.error();
   if (Result<void> r = device_.clear(*target, 0, {0, 0, 0, 0}); !r) return r;
   if (Result<void> r = device_.clearDepth(*target, 0); !r) return r;
+  const glm::vec2 zStar = zStarOfTools();
   std::vector<gpu::Draw> draws;
   for (const Tool& tool : tools_) {
     gpu::Draw d;
@@ -40,13 +41,34 @@ Result<void> GlDrawing::drawTools() {
     d.state.depthWrite = true;  // the later one of two in a place
     d.state.clipDistances = 1, d.state.depthClamp = true;
     d.uniforms = uniforms(false);
-    d.uniforms.push_back({"zStar", glm::vec2(5e-4f, 0.999f)});
+    d.uniforms.push_back({"zStar", zStar});
     d.uniforms.push_back({"colour", glm::vec3(tool.placed->colour)});
     draws.push_back(std::move(d));
   }
   if (Result<void> r = device_.draw(*target, draws); !r) return r;
   toolsSeen_.resize(4 * pixels());
   return device_.read(*target, 0, toolsSeen_);
+}
+
+// All of the depth that tools take, also before and behind the volume: held at its ends, a tool's far side
+// would be as near as its near one.
+glm::vec2 GlDrawing::zStarOfTools() const {
+  double nearest = kInfinity, farthest = -kInfinity;
+  for (const Tool& tool : tools_) {
+    const glm::dvec3 low = tool.placed->mesh->lowest().p, high = tool.placed->mesh->highest().p;
+    for (int n = 0; n < 8; ++n) {
+      const MeshPoint corner(n & 1 ? high.x : low.x, n & 2 ? high.y : low.y, n & 4 ? high.z : low.z);
+      const double depth = dot(tool.placed->pose * corner - job_.camera.eye, job_.camera.forward);
+      nearest = std::min(nearest, depth), farthest = std::max(farthest, depth);
+    }
+  }
+  nearest = std::max({nearest, job_.camera.near_mm, 0.0});
+  farthest = std::max(farthest, nearest) + 1;
+  if (perspective_) nearest = std::max(nearest, 1e-4 * farthest);
+  const glm::dvec2 ramp = rampOfDepth();
+  const auto z = [&](double depth) { return ramp.x + ramp.y * (perspective_ ? 1 / depth : depth); };
+  const double slope = 0.999 / (z(nearest) - z(farthest));
+  return {5e-4 - slope * z(farthest), slope};
 }
 
 Result<void> GlDrawing::findTools() {

@@ -65,6 +65,11 @@ Result<void> GlDrawing::prepare() {
   return {};
 }
 
+glm::dvec2 GlDrawing::rampOfDepth() const {
+  const double near = job_.ramp.near_mm, far = job_.ramp.far_mm, range = far - near;
+  return job_.ramp.afterProjection ? glm::dvec2(-near, near * far) / range : glm::dvec2(far, -1) / range;
+}
+
 std::vector<gpu::Uniform> GlDrawing::uniforms(bool withCuts) const {
   const CameraPicture& camera = job_.camera;
   // Pixels to clip; depth is kept as it is.
@@ -88,15 +93,14 @@ std::vector<gpu::Uniform> GlDrawing::uniforms(bool withCuts) const {
   glm::mat4 cuts[2];
   for (int n = 0; n < 8; ++n) cuts[n / 4][n % 4] = glm::vec4(planes[n]);
 
-  const double near = job_.ramp.near_mm, far = job_.ramp.far_mm, range = far - near;
+  const double near = job_.ramp.near_mm, far = job_.ramp.far_mm;
   const bool projected = job_.ramp.afterProjection;
-  const glm::dvec2 ramp = projected ? glm::dvec2(-near, near * far) / range : glm::dvec2(far, -1) / range;
   const glm::dvec3 eye = perspective_ ? camera.eye.p - middle_ : f;
   return {{"clipFromPlace", glm::mat4(clip)},
           {"cuts0", cuts[0]},
           {"cuts1", cuts[1]},
           {"perspective", perspective_ ? 1 : 0},
-          {"ramp", glm::vec2(ramp)},
+          {"ramp", glm::vec2(rampOfDepth())},
           {"projected", projected ? 1 : 0},
           {"rampEnds_mm", glm::vec2(near, far)},
           {"cue", glm::vec2(job_.beta0 + job_.betaM * job_.b, job_.betaM * job_.a)},

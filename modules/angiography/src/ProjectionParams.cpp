@@ -2,6 +2,7 @@
 #include "ProjectionParams.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "DumpNumber.h"
 #include "vernier/plan/Volumetric.h"
@@ -24,8 +25,12 @@ Result<void> takeLayer(const ProjectionLayer& layer, const std::string& where, P
   if (!usableWindow(window))
     return makeError(ErrorCode::SceneInvalid, "The window needs a width above 0.", where + "/window");
   job.window = normalised(window);
+  if (!(layer.cue >= 0 && layer.cue <= 1))
+    return makeError(ErrorCode::SceneInvalid, "The depth cue lies between 0 and 1.", where + "/cue");
   job.cue = layer.cue;
   job.gain_perMm = layer.gain_perMm.value_or(defaultGain_perMm(p.volume->grid()));
+  if (!(job.gain_perMm > 0) || !std::isfinite(job.gain_perMm))
+    return makeError(ErrorCode::SceneInvalid, "The gain must be a number above 0.", where + "/gain_per_mm");
   return {};
 }
 

@@ -4,7 +4,9 @@
 
 namespace vernier::dvr {
 
-Technique glRaysTechnique(Host&);  // GlRays.cpp
+Technique nativeVolumeTechnique(Host&);      // NativeVolume.cpp
+Technique nativeIsosurfaceTechnique(Host&);  // NativeIsosurface.cpp
+Technique glRaysTechnique(Host&);            // GlRays.cpp
 
 // GlStacks.cpp
 Technique glStacksTechnique(Host&);

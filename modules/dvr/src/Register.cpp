@@ -6,8 +6,9 @@ namespace vernier::dvr {
 
 Result<void> registerDvr(Host& host) {
   for (Technique (*make)(Host&) :
-       {glRaysTechnique, glStacksTechnique, glStacks2Technique, glStacks4Technique,
-        glUncorrectedStacksTechnique, glCombinedTechnique, glSlabsTechnique, glStripsTechnique})
+       {nativeVolumeTechnique, nativeIsosurfaceTechnique, glRaysTechnique, glStacksTechnique,
+        glStacks2Technique, glStacks4Technique, glUncorrectedStacksTechnique, glCombinedTechnique,
+        glSlabsTechnique, glStripsTechnique})
     if (Result<void> added = host.addTechnique(make(host)); !added) return added;
   return {};
 }

@@ -35,13 +35,7 @@ class GeneralSampler {
   // Modality value at a voxel position, NaN = no data. Counts 1 into `samples` when the position lies in the
   // volume.
   double linear(const glm::dvec3& p, std::uint64_t& samples) const {
-    Pair z;
-    if (!slicesAt(p.z, z)) return kNone;
-    Sum sum;
-    bool inside = addSlice(sum, p, z.first, 1.0 - z.t);
-    if (z.t > 0) inside |= addSlice(sum, p, z.second, z.t);
-    samples += inside ? 1 : 0;
-    return sum.weight >= kLeastWeight ? sum.value / sum.weight : kNone;
+    return mapped(Interpolation::Linear, p, samples, [](double voxel) { return voxel; });
   }
 
   // Linear where one of the voxels that cubic needs has no data.
@@ -65,6 +59,22 @@ class GeneralSampler {
     if (!inPlane(p, k, x, y)) return kNone;
     ++samples;
     return modality(x.t >= 0.5 ? x.second : x.first, y.t >= 0.5 ? y.second : y.first, k);
+  }
+
+  // Nearest or linear of a function of each voxel's modality value.
+  template <class OfVoxel>
+  double mapped(Interpolation how, const glm::dvec3& p, std::uint64_t& samples, OfVoxel&& ofVoxel) const {
+    if (how == Interpolation::Nearest) {
+      const double voxel = nearest(p, samples);
+      return std::isnan(voxel) ? voxel : ofVoxel(voxel);
+    }
+    Pair z;
+    if (!slicesAt(p.z, z)) return kNone;
+    Sum sum;
+    bool inside = addSlice(sum, p, z.first, 1.0 - z.t, ofVoxel);
+    if (z.t > 0) inside |= addSlice(sum, p, z.second, z.t, ofVoxel);
+    samples += inside ? 1 : 0;
+    return sum.weight >= kLeastWeight ? sum.value / sum.weight : kNone;
   }
 
   double value(Interpolation how, const glm::dvec3& p, std::uint64_t& samples) const {
@@ -176,22 +186,22 @@ class GeneralSampler {
     return along(p.x - o.x, grid_.columns, x) && along(p.y - o.y, grid_.rows, y);
   }
 
-  bool addSlice(Sum& sum, const glm::dvec3& p, std::int64_t k, double weight) const {
+  template <class OfVoxel>
+  bool addSlice(Sum& sum, const glm::dvec3& p, std::int64_t k, double weight, OfVoxel&& ofVoxel) const {
     Pair x, y;
     if (!inPlane(p, k, x, y)) return false;
-    add(sum, x.first, y.first, k, weight * (1 - x.t) * (1 - y.t));
-    add(sum, x.second, y.first, k, weight * x.t * (1 - y.t));
-    add(sum, x.first, y.second, k, weight * (1 - x.t) * y.t);
-    add(sum, x.second, y.second, k, weight * x.t * y.t);
+    const auto add = [&](std::int64_t i, std::int64_t j, double w) {
+      if (!(w > 0)) return;
+      const double value = modality(i, j, k);
+      if (std::isnan(value)) return;
+      sum.weight += w;
+      sum.value += w * ofVoxel(value);
+    };
+    add(x.first, y.first, weight * (1 - x.t) * (1 - y.t));
+    add(x.second, y.first, weight * x.t * (1 - y.t));
+    add(x.first, y.second, weight * (1 - x.t) * y.t);
+    add(x.second, y.second, weight * x.t * y.t);
     return true;
-  }
-
-  void add(Sum& sum, std::int64_t i, std::int64_t j, std::int64_t k, double weight) const {
-    if (!(weight > 0)) return;
-    const double value = modality(i, j, k);
-    if (std::isnan(value)) return;
-    sum.weight += weight;
-    sum.value += weight * value;
   }
 
   double modality(std::int64_t i, std::int64_t j, std::int64_t k) const {

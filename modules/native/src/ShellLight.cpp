@@ -2,6 +2,7 @@
 // The light of lit shells, from the field instead of from the triangles that stand for it.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "GeneralSampler.h"
@@ -13,17 +14,73 @@ namespace {
 constexpr double kStep_vox = 0.125;  // of the search for the level
 constexpr int kSteps = static_cast<int>(kLitReach_vox / kStep_vox);
 
+// The eight voxels around a place, read once for all places between them; only where each has data.
+template <class T>
+class Cell {
+ public:
+  explicit Cell(const Volume& v) : volume_(v), grid_(v.grid()), data_(reinterpret_cast<const T*>(v.data())) {}
+
+  bool holds(const glm::dvec3& p) {
+    const glm::dvec3 whole = glm::floor(p);
+    if (whole != at_) read(whole);
+    return whole_;
+  }
+  double value(const glm::dvec3& p) const {
+    const glm::dvec3 t = p - at_;
+    const auto row = [&](int n) { return corner_[n] + t.x * (corner_[n + 1] - corner_[n]); };
+    const double low = row(0) + t.y * (row(2) - row(0)), high = row(4) + t.y * (row(6) - row(4));
+    return low + t.z * (high - low);
+  }
+  glm::dvec3 gradient(const glm::dvec3& p) const {
+    const glm::dvec3 t = p - at_;
+    const auto between = [](double a, double b, double u) { return a + u * (b - a); };
+    const auto along = [&](int axis, int other, int third, double u, double v) {
+      const auto rise = [&](int n) { return corner_[n + axis] - corner_[n]; };
+      return between(between(rise(0), rise(other), u), between(rise(third), rise(other + third), u), v);
+    };
+    return {along(1, 2, 4, t.y, t.z), along(2, 1, 4, t.x, t.z), along(4, 1, 2, t.x, t.y)};
+  }
+
+ private:
+  void read(const glm::dvec3& whole) {
+    at_ = whole;
+    const glm::dvec3 last(grid_.columns - 2, grid_.rows - 2, grid_.slices - 2);
+    whole_ = grid_.even() && volume_.info().rescale.size() <= 1 &&
+             glm::all(glm::greaterThanEqual(whole, glm::dvec3(0))) &&
+             glm::all(glm::lessThanEqual(whole, last));
+    if (!whole_) return;
+    const ModalityRescale& r = volume_.rescaleOf(0);
+    const glm::i64vec3 first(whole);
+    for (int n = 0; n < 8; ++n) {
+      const std::int64_t i = first.x + (n & 1), j = first.y + (n >> 1 & 1), k = first.z + (n >> 2);
+      const double stored = static_cast<double>(data_[i + grid_.columns * (j + grid_.rows * k)]);
+      whole_ = whole_ && !std::isnan(stored) && !volume_.isNoData(stored);
+      corner_[n] = r.slope * stored + r.intercept;
+    }
+  }
+  const Volume& volume_;
+  const GridGeometry& grid_;
+  const T* const data_;
+  glm::dvec3 at_{std::numeric_limits<double>::quiet_NaN()};
+  bool whole_ = false;
+  double corner_[8] = {};
+};
+
 // The value less the level along a ray; NaN where there are no data.
 template <class T>
 class AlongRay {
  public:
   AlongRay(const ShellsJob& job, double level, const PatientRay& ray)
       : sampler_(*job.volume),
+        cell_(*job.volume),
         level_(level),
         origin_((job.volume->voxelFromPatient() * ray.origin).p),
         direction_(job.volume->voxelFromPatient().linear * ray.direction.v) {}
   glm::dvec3 at(double t) const { return origin_ + t * direction_; }
-  double operator()(double t) const { return sampler_.linear(at(t), ignored_) - level_; }
+  double operator()(double t) const {
+    const glm::dvec3 p = at(t);
+    return (cell_.holds(p) ? cell_.value(p) : sampler_.linear(p, ignored_)) - level_;
+  }
   double stepLength_mm() const {
     const glm::dvec3 d = glm::abs(direction_);
     return kStep_vox / std::max(d.x, std::max(d.y, d.z));
@@ -49,6 +106,7 @@ class AlongRay {
   // Per voxel. Along an axis the field is linear within a cell, so differences are exact but for rounding;
   // that of the sampler is the same at both places.
   glm::dvec3 gradient(double t) const {
+    if (const glm::dvec3 p = at(t); cell_.holds(p)) return cell_.gradient(p);
     constexpr double kSmall_vox = 256 * kPositionUnit;
     glm::dvec3 g;
     for (int axis = 0; axis < 3; ++axis) {
@@ -77,6 +135,7 @@ class AlongRay {
   }
 
   const GeneralSampler<T> sampler_;
+  mutable Cell<T> cell_;
   const double level_;
   const glm::dvec3 origin_, direction_;
   mutable std::uint64_t ignored_ = 0;

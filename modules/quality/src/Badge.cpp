@@ -42,15 +42,16 @@ double percentile(const std::vector<double>& ascending, double share) {
 }
 
 void summarise(const std::vector<Sample>& samples, const ErrorOptions& options, ErrorReport& r) {
-  std::vector<double> all, edge;
+  std::vector<double> all, edge, inner;
   double squares = 0;
   for (const Sample& s : samples) {
     all.push_back(s.error);
-    if (s.edge) edge.push_back(s.error);
+    (s.edge ? edge : inner).push_back(s.error);
     squares += s.error * s.error;
   }
   std::sort(all.begin(), all.end());
   std::sort(edge.begin(), edge.end());
+  std::sort(inner.begin(), inner.end());
   r.n = all.size();
   if (all.empty()) return;
   r.max = all.back();
@@ -61,6 +62,7 @@ void summarise(const std::vector<Sample>& samples, const ErrorOptions& options, 
   r.rank = rankForBound(r.n, r.population, options.share, options.confidence);
   if (r.rank > 0) r.bound = all[all.size() - r.rank];
   r.edge.share = static_cast<double>(edge.size()) / static_cast<double>(all.size());
+  r.innerP95 = percentile(inner, 0.95);
   r.edge.p99 = percentile(edge, 0.99);
   r.edge.max = edge.empty() ? 0 : edge.back();
 }

@@ -46,13 +46,13 @@ GaussRule<N> ruleOf() {
 
 }  // namespace
 
-const GaussRule<4>& gaussRule4() {
-  static const GaussRule<4> rule = ruleOf<4>();
+template <std::size_t N>
+const GaussRule<N>& gaussRule() {
+  static const GaussRule<N> rule = ruleOf<N>();
   return rule;
 }
-const GaussRule<8>& gaussRule8() {
-  static const GaussRule<8> rule = ruleOf<8>();
-  return rule;
-}
+template const GaussRule<2>& gaussRule<2>();
+template const GaussRule<4>& gaussRule<4>();
+template const GaussRule<8>& gaussRule<8>();
 
 }  // namespace vernier::quality

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Emission and absorption along a ray, front to back: what has been gathered and what is left of light from
 // behind. Smooth stretches by Gauss-Legendre with the optical depth up to each place integrated from the same
-// places, 4 against 8 of them, halved until both agree.
+// places: 4 of them against 8, halved until both agree.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -16,8 +16,8 @@ struct GaussRule {
   std::array<double, N> at{}, weight{};
   std::array<std::array<double, N>, N> upTo{};
 };
-const GaussRule<4>& gaussRule4();
-const GaussRule<8>& gaussRule8();
+template <std::size_t N>
+const GaussRule<N>& gaussRule();  // of 2, 4 and 8
 
 struct Emission {
   double depth = 0;      // optical, per unit of the parameter
@@ -26,9 +26,10 @@ struct Emission {
 
 class FrontToBack {
  public:
-  static constexpr double kAgree = 1e-7;   // what 4 and 8 places may differ by, of what is displayed
-  static constexpr double kEnough = 1e-7;  // of light that is left: nothing behind is seen
-  static constexpr int kDeepest = 30;      // halves
+  static constexpr double kAgree = 1e-7;        // what 4 and 8 places may differ by, of what is displayed
+  static constexpr double kAgreeAtOnce = 1e-9;  // 2 and 4 places
+  static constexpr double kEnough = 1e-7;       // of light that is left: nothing behind is seen
+  static constexpr int kDeepest = 30;           // halves
 
   glm::dvec3 colour{0};
   double left = 1;
@@ -41,19 +42,11 @@ class FrontToBack {
   // f(u) is smooth from `from` to `to`. Stops early once nothing behind is seen.
   template <class Fn>
   void absorb(const Fn& f, double from, double to, int halves = 0) {
-    const Stretch coarse = over(gaussRule4(), f, from, to), fine = over(gaussRule8(), f, from, to);
-    const glm::dvec3 off = glm::abs(fine.colour - coarse.colour);
-    const double worst = std::max(
-        {off.x, off.y, off.z, std::abs(fine.left - coarse.left), std::abs(fine.emitted - (1 - fine.left))});
-    if (left * worst <= kAgree || halves >= kDeepest) {
-      // A colour that does not change then comes out exactly.
-      if (fine.emitted > 0)
-        colour += left * ((1 - fine.left) / fine.emitted) * fine.colour;
-      else if (fine.left < 1)
-        colour += left * (1 - fine.left) * f(from + 0.5 * (to - from)).colour;
-      left *= fine.left;
-      return;
-    }
+    const Stretch four = over(gaussRule<4>(), f, from, to);
+    // Most stretches are so short or so clear that fewer do.
+    if (left * apart(over(gaussRule<2>(), f, from, to), four) <= kAgreeAtOnce) return take(four, f, from, to);
+    const Stretch eight = over(gaussRule<8>(), f, from, to);
+    if (left * apart(four, eight) <= kAgree || halves >= kDeepest) return take(eight, f, from, to);
     const double mid = 0.5 * (from + to);
     absorb(f, from, mid, halves + 1);
     if (!ended()) absorb(f, mid, to, halves + 1);
@@ -64,6 +57,21 @@ class FrontToBack {
     glm::dvec3 colour{0};
     double emitted = 0, left = 1;
   };
+  // How far two attempts differ, and the better one from what a colour of 1 would come to.
+  static double apart(const Stretch& coarse, const Stretch& fine) {
+    const glm::dvec3 off = glm::abs(fine.colour - coarse.colour);
+    return std::max(
+        {off.x, off.y, off.z, std::abs(fine.left - coarse.left), std::abs(fine.emitted - (1 - fine.left))});
+  }
+  // A colour that does not change comes out exactly.
+  template <class Fn>
+  void take(const Stretch& s, const Fn& f, double from, double to) {
+    if (s.emitted > 0)
+      colour += left * ((1 - s.left) / s.emitted) * s.colour;
+    else if (s.left < 1)
+      colour += left * (1 - s.left) * f(0.5 * (from + to)).colour;
+    left *= s.left;
+  }
   template <std::size_t N, class Fn>
   static Stretch over(const GaussRule<N>& rule, const Fn& f, double from, double to) {
     const double length = to - from;

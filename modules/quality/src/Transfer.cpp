@@ -25,8 +25,8 @@ template <class Point>
 auto below(const std::vector<Point>& points, double value) {
   const auto next = std::lower_bound(points.begin(), points.end(), value,
                                      [](const Point& p, double v) { return p.value < v; });
-  if (next == points.begin()) return of(points.front());
   if (next == points.end()) return of(points.back());
+  if (next == points.begin() || next->value == value) return of(*next);
   const Point& before = *(next - 1);
   return of(before) + (value - before.value) / (next->value - before.value) * (of(*next) - of(before));
 }

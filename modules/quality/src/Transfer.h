@@ -18,6 +18,12 @@ class Transfer {
   static Result<Transfer> make(const TransferFunction&);
 
   std::size_t at(double value) const;  // the interval that holds at a value
+  // The one that holds just beside it, on the side of another.
+  std::size_t beside(double value, double other) const {
+    const std::size_t n = at(value);
+    return other < value && n > 0 && value == lo(n) ? n - 1 : n;
+  }
+  std::size_t size() const { return intervals_.size(); }
   double lo(std::size_t interval) const { return intervals_[interval].lo; }
   bool shows(std::size_t interval) const { return intervals_[interval].shows; }    // not clear as a whole
   bool opaque(std::size_t interval) const { return intervals_[interval].opaque; }  // 1 as a whole
@@ -31,7 +37,7 @@ class Transfer {
 
   // Places where colour or opacity jumps: how many there are, and how many a value has reached.
   std::size_t steps() const { return intervals_.back().steps; }
-  std::size_t stepsAt(double value) const { return intervals_[at(value)].steps; }
+  std::size_t stepsUpTo(std::size_t interval) const { return intervals_[interval].steps; }
   bool isStep(std::size_t interval) const {  // at its lower end
     return interval > 0 && intervals_[interval].steps != intervals_[interval - 1].steps;
   }
@@ -42,9 +48,8 @@ class Transfer {
   template <class Fn, class Knot>
   bool along(const Piece& p, double from, double to, Fn&& fn, Knot&& knot) const {
     const double a = p(from), b = p(to);
-    std::size_t n = at(a), last = at(b);
-    if (a > b && n > 0 && a == lo(n)) --n;  // only its end touches the interval
-    if (b > a && last > 0 && b == lo(last)) --last;
+    std::size_t n = beside(a, b);
+    const std::size_t last = beside(b, a);
     double u = from;
     while (n != last) {
       const std::size_t next = last > n ? n + 1 : n - 1;

@@ -9,6 +9,9 @@ namespace {
 
 constexpr double kMostOpacity = 1 - 0x1p-53;
 
+double over(double opacity, double lengths) {
+  return opacity >= 1 ? 1 : -std::expm1(lengths * std::log1p(-opacity));
+}
 double clamped(double x) { return std::clamp(x, 0.0, 1.0); }
 
 }  // namespace
@@ -75,27 +78,32 @@ bool VolumeReference::blendColours(const RayPart& part, Walk& walk) const {
   return true;
 }
 
-// The extreme of each channel by itself, weighed with what tools leave, as a projection's grey.
+// The extreme of each channel by itself, opaque where it is first reached.
 VolumeSeen VolumeReference::seenColourExtremes(const VolumeRay& ray) const {
-  const bool max = layer_.mode == VolumeMode::Max;
-  VolumeSeen out;
-  glm::dvec3 extreme(max ? 0 : 1);
+  const double sign = layer_.mode == VolumeMode::Max ? 1 : -1;
+  std::array<Extreme, 3> extremes;
   rays_.alongData(ray, [&](const RayPart& part) {
-    out.shown = true;
     const std::array<Poly, 4> channels = channelsOf(part);
-    for (int c = 0; c < 3; ++c) {
+    for (std::size_t c = 0; c < 3; ++c) {
       Piece piece;
-      piece.numerator = channels[static_cast<std::size_t>(c)];
+      piece.numerator = channels[c];
       const LocalRange e = piece.extremes();
-      const double value = ray.through[part.passed] * clamped(max ? e.max : e.min);
-      extreme[c] = max ? std::max(extreme[c], value) : std::min(extreme[c], value);
+      const double value = clamped(sign > 0 ? e.max : e.min);
+      if (!extremes[c].value || sign * value > sign * *extremes[c].value) extremes[c] = {value, part.passed};
     }
     return true;
   });
-  for (std::size_t n = 0; n < ray.tools.size(); ++n)
-    out.colour += ray.through[n] * ray.tools[n].opacity * ray.tools[n].colour;
-  out.colour += out.shown ? glm::max(extreme, ray.backdrop(glm::dvec3(0))) : ray.backdrop(background_);
+  VolumeSeen out;
+  out.shown = extremes[0].value.has_value();
   out.covered = out.shown || ray.opaque || !ray.tools.empty();
+  const glm::dvec3 behind = ray.opaque ? ray.opaque->colour : background_;
+  for (int c = 0; c < 3; ++c) {
+    const Extreme& e = extremes[static_cast<std::size_t>(c)];
+    const std::size_t tools = e.value ? e.passed : ray.tools.size();
+    for (std::size_t n = 0; n < tools; ++n)
+      out.colour[c] += ray.through[n] * ray.tools[n].opacity * ray.tools[n].colour[c];
+    out.colour[c] += ray.through[tools] * e.value.value_or(behind[c]);
+  }
   return out;
 }
 
@@ -124,12 +132,13 @@ bool VolumeReference::sample(glm::dvec3 voxel, double length_mm, Walk& walk) con
     const glm::dvec3 g = shades() ? gradient_->at(voxel) : glm::dvec3(0);
     colour = colourOf(interval, *value, shades() ? &g : nullptr, walk.ray.line.direction);
   }
-  const double lengths = length_mm / unit_mm;
-  const double over = layer_.opacity == OpacityRule::Linear ? clamped(opacity * lengths)
-                      : opacity >= 1                        ? 1
-                                                            : -std::expm1(lengths * std::log1p(-opacity));
-  walk.shown = walk.shown || over > 0;
-  walk.light.cover(colour, over);
+  // Of the whole step, then of what is left of it.
+  const double lengths = step_mm_ / unit_mm;
+  const double whole =
+      layer_.opacity == OpacityRule::Linear ? clamped(opacity * lengths) : over(opacity, lengths);
+  const double left = over(whole, length_mm / step_mm_);
+  walk.shown = walk.shown || left > 0;
+  walk.light.cover(colour, left);
   return !walk.light.ended();
 }
 

@@ -134,21 +134,39 @@ void VolumeReference::markStep(const RayPart& part, double u, std::size_t surfac
   walk.hits->push_back({surface, t, size > 0 ? normal / size : glm::dvec3(0), walk.light.left});
 }
 
+// Steps that lie between two pieces, and data that begin within what shows.
+void VolumeReference::markBeginning(const RayPart& part, const std::vector<double>& stops, Walk& walk) const {
+  const double value = part.piece(stops[0]), end = part.piece(stops.back());
+  const std::size_t now = transfer_->beside(value, part.piece(stops[1]));
+  const std::size_t steps = transfer_->stepsUpTo(now), before = transfer_->stepsUpTo(walk.interval);
+  const bool first = part.begin_mm - walk.ray.begin_mm <= kJoint_mm;
+  if (walk.end_mm >= 0 && part.begin_mm - walk.end_mm <= kJoint_mm) {
+    if (transfer_->shows(now) || transfer_->shows(walk.interval)) {
+      for (std::size_t n = before; n < steps; ++n) markStep(part, stops[0], n + 1, false, walk);
+      for (std::size_t n = before; n > steps; --n) markStep(part, stops[0], n, false, walk);
+    }
+  } else if (transfer_->shows(now)) {
+    // Behind a brick that shows nothing the field begins where a step is, if not clear.
+    const std::size_t upper = now + (value == transfer_->lo(now) ? 0 : 1);
+    const bool atStep =
+        upper < transfer_->size() && value == transfer_->lo(upper) && transfer_->isStep(upper);
+    if (atStep && !first)
+      markStep(part, stops[0], transfer_->stepsUpTo(upper), false, walk);
+    else if (steps > 0 && transfer_->opacity(transfer_->at(value), value) > 0)
+      markStep(part, stops[0], kCap + steps, true, walk);
+  }
+  walk.interval = transfer_->beside(end, part.piece(stops[stops.size() - 2]));
+  walk.end_mm = part.end_mm;
+}
+
 bool VolumeReference::blendPart(const RayPart& part, Walk& walk) const {
   if (!walk.passTools(part.passed)) return false;
   const LocalRange bounds = boundsOf(part.piece);
-  if (!transfer_->showsIn(bounds.min, bounds.max)) return true;
+  const bool clear = !transfer_->showsIn(bounds.min, bounds.max);
+  if (clear && !walk.hits) return true;
   const std::vector<double> stops = monotoneStops(part.piece);
-  if (walk.hits && transfer_->steps() > 0) {
-    // Data that begin within what shows, or a field that jumps, are as sharp as a step.
-    const double value = part.piece(stops.front());
-    const std::size_t interval = transfer_->at(value), now = transfer_->stepsAt(value);
-    const bool joined = walk.end_mm >= 0 && part.begin_mm - walk.end_mm <= kJoint_mm;
-    if ((!joined || now != walk.steps) && now > 0 && transfer_->opacity(interval, value) > 0)
-      markStep(part, stops.front(), kCap + now, true, walk);
-    walk.steps = transfer_->stepsAt(part.piece(stops.back()));
-    walk.end_mm = part.end_mm;
-  }
+  if (walk.hits) markBeginning(part, stops, walk);
+  if (clear) return true;
   std::optional<Gradient::Along> gradient;
   if (shades() && !walk.plain) gradient.emplace(*gradient_, part);
   for (std::size_t n = 0; n + 1 < stops.size(); ++n) {
@@ -159,7 +177,7 @@ bool VolumeReference::blendPart(const RayPart& part, Walk& walk) const {
         },
         [&](std::size_t interval, std::size_t next, double u) {
           const std::size_t upper = std::max(interval, next);
-          if (transfer_->isStep(upper)) markStep(part, u, upper, false, walk);
+          if (transfer_->isStep(upper)) markStep(part, u, transfer_->stepsUpTo(upper), false, walk);
           return true;
         });
     if (!going) return false;
@@ -231,7 +249,7 @@ EdgeMark VolumeReference::edgeMark(glm::dvec2 pixel) const {
   if (isColour() || transfer_->steps() == 0) return mark;
   if (layer_.mode != VolumeMode::Blend) {
     const Extreme e = extreme(ray);
-    if (e.value) mark.hits.push_back({transfer_->stepsAt(*e.value), 0, glm::dvec3(0), 1});
+    if (e.value) mark.hits.push_back({transfer_->stepsUpTo(transfer_->at(*e.value)), 0, glm::dvec3(0), 1});
     return mark;
   }
   Walk walk(ray);

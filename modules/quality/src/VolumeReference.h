@@ -32,9 +32,9 @@ class VolumeReference {
     FrontToBack light;
     std::size_t passed = 0;
     bool shown = false;
-    bool plain = false;  // without shading
-    double end_mm = -1;  // of the data so far
-    std::size_t steps = 0;
+    bool plain = false;        // without shading
+    double end_mm = -1;        // of the data so far
+    std::size_t interval = 0;  // of the transfer function, there
     std::vector<EdgeMark::Hit>* hits = nullptr;
     // False: nothing behind is seen.
     bool passTools(std::size_t upTo);
@@ -45,6 +45,7 @@ class VolumeReference {
   bool blendStretch(const RayPart&, std::size_t interval, double from, double to, Gradient::Along*,
                     Walk&) const;
   glm::dvec3 colourOf(std::size_t interval, double value, const glm::dvec3* gradient, glm::dvec3 ray) const;
+  void markBeginning(const RayPart&, const std::vector<double>& stops, Walk&) const;
   void markStep(const RayPart&, double u, std::size_t surface, bool cap, Walk&) const;
   bool blendColours(const RayPart&, Walk&) const;
   void lattice(Walk&) const;

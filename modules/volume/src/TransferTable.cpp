@@ -11,12 +11,12 @@ Error internal(const std::string& sentence) {
   return makeError(ErrorCode::Internal, sentence, "transfer table");
 }
 
-}  // namespace
+Volume::Range knotRange(const TransferFunction& f) {
+  return {std::min(f.colours.front().value, f.opacities.front().value),
+          std::max(f.colours.back().value, f.opacities.back().value)};
+}
 
-Volume::Range transferTableRange(const TransferFunction& f, const Volume::Range& values) {
-  const double first = std::min(f.colours.front().value, f.opacities.front().value);
-  const double last = std::max(f.colours.back().value, f.opacities.back().value);
-  const double margin = last > first ? 1e-3 * (last - first) : 0.5;
+Volume::Range within(const Volume::Range& values, double first, double last, double margin) {
   Volume::Range r{std::max(values.min, first - margin), std::min(values.max, last + margin)};
   // All values lie beyond the knots: one colour, any range tells it.
   if (!(r.min < r.max)) r = {values.min, std::max(values.max, values.min)};
@@ -25,6 +25,18 @@ Volume::Range transferTableRange(const TransferFunction& f, const Volume::Range&
     r = {r.min - half, r.min + half};
   }
   return r;
+}
+
+}  // namespace
+
+Volume::Range transferTableRange(const TransferFunction& f, const Volume::Range& values) {
+  const auto [first, last] = knotRange(f);
+  return within(values, first, last, last > first ? 1e-3 * (last - first) : 0.5);
+}
+
+Volume::Range preIntegratedRange(const TransferFunction& f, const Volume::Range& values) {
+  const auto [first, last] = knotRange(f);
+  return within(values, first, last, std::max({last - first, 0.25 * (values.max - values.min), 0.5}));
 }
 
 Result<TransferTable> makeTransferTable(const TransferFunction& f, const Volume::Range& range, double step_mm,

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "CombinerForTest.h"
+#include "vernier/base/Random.h"
 
 namespace vernier::dvr {
 namespace {
@@ -247,6 +248,40 @@ TEST(CombinerFaults, WhatIsTakenFromABaseMustStillFit) {
   ASSERT_FALSE(c.ok());
   EXPECT_EQ(c.error().where, "a.json#/base/0/alpha/A");
   EXPECT_THAT(c.error().sentence, HasSubstr("texture0.alpha is read"));
+}
+
+// Files damaged at random are refused as SceneInvalid, or are combiners whose values are colours.
+TEST(CombinerFaults, DamagedFilesAreRefusedOrGood) {
+  const std::string whole = kGood, signs = "{}[]\",:.0123456789-ABCDEFGaeghilnoprstuxy* \n\xc3";
+  int good = 0;
+  for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+    std::string json = whole;
+    const std::uint64_t edits = 1 + randomBits(seed, 0) % 3;
+    for (std::uint64_t e = 1; e <= edits; ++e) {
+      const std::size_t at = randomBits(seed, 10 * e) % json.size();
+      const char sign = signs[randomBits(seed, 10 * e + 1) % signs.size()];
+      switch (randomBits(seed, 10 * e + 2) % 3) {
+        case 0:
+          json[at] = sign;
+          break;
+        case 1:
+          json.erase(at, 1 + randomBits(seed, 10 * e + 3) % 12);
+          break;
+        default:
+          json.insert(at, 1, sign);
+      }
+    }
+    const Result<Combiner> c = parseCombiner(json, "mine");
+    if (!c) {
+      ASSERT_EQ(c.error().code, ErrorCode::SceneInvalid) << c.error().text() << json;
+      ASSERT_EQ(c.error().where.rfind("mine.json#", 0), 0u) << json;
+      continue;
+    }
+    ++good;
+    const glm::dvec4 x = combine(*c, filledRegisters(*c, [](const Input&) { return glm::dvec4(0.5); }));
+    for (glm::length_t n = 0; n < 4; ++n) ASSERT_TRUE(x[n] >= 0 && x[n] <= 1) << json;
+  }
+  EXPECT_GT(good, 10);  // some damage does no harm: a space more, another title
 }
 
 }  // namespace

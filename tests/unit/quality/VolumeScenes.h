@@ -15,6 +15,8 @@ struct VolumeScene {
   Sources sources;
   ProjectionLayer& projection() { return std::get<ProjectionLayer>(scene.layers[0]); }
   ShellsLayer& shells() { return std::get<ShellsLayer>(scene.layers[0]); }
+  VolumeLayer& volume() { return std::get<VolumeLayer>(scene.layers[0]); }
+  IsosurfaceLayer& iso() { return std::get<IsosurfaceLayer>(scene.layers[0]); }
 
   // A square across the y axis.
   SurfaceLayer& sheet(double y_mm, double opacity, Rgb colour, double half_mm = 50) {
@@ -41,7 +43,8 @@ template <class LayerKind>
 VolumeScene volumeScene(std::shared_ptr<const Volume> volume, LayerKind layer = {}) {
   VolumeScene s;
   layer.source = "v";
-  if (!layer.window) layer.window = unitWindow();
+  if constexpr (requires { layer.window; })
+    if (!layer.window) layer.window = unitWindow();
   s.scene.layers.emplace_back(layer);
   s.sources.volumes["v"] = std::move(volume);
   return s;

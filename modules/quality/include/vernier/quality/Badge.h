@@ -9,9 +9,10 @@
 // tested. The bound says: `share` of the population lies within it, with probability `confidence` over the
 // seeds (OrderStatistic.h).
 //
-// Edge pixels (within 1 pixel of the border of the data: the slice's outline, padding, a gap) are also
-// reported apart, but never left out of the bound. Thread-safe; parallelFor inside. Errors: those of
-// referencePixels, and SceneInvalid when frame and view differ in size.
+// Edge pixels (within 1 pixel of the border of the data: the slice's outline, padding, a gap; of tools and
+// cuts; of iso-surfaces and of steps of a transfer function, where a surface ends or lies much farther off
+// than its slope explains) are also reported apart, but never left out of the bound. Thread-safe; parallelFor
+// inside. Errors: those of referencePixels, and SceneInvalid when frame and view differ in size.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -44,6 +45,7 @@ struct ErrorReport {
   std::size_t n = 0, population = 0;
   double populationShare = 0;  // of all pixels of the picture
   double max = 0, rms = 0, p50 = 0, p99 = 0;
+  double innerP95 = 0;          // of the pixels that are no edges: 95 % of them lie within it
   std::optional<double> bound;  // absent: too few samples to bound anything at this confidence
   std::size_t rank = 0;         // the bound is the rank-th largest difference
   double share = 0.99, confidence = 0.99;

@@ -4,10 +4,11 @@
 // error is taken of); one layer that looks through a volume, with the surfaces as its tools; layers of
 // plugins that bring their own truth. A scene with any other layer or mixture is refused (NotBuiltYet).
 //
-// Shares with the engines only the scene, voxel access, the default window and a set of shells' levels:
-// camera and plane geometry, interpolation (GridGeometry.h: true slice positions, gaps, border held for half
-// a voxel, no-data renormalised over the valid corners), windows (PS3.3 C.11.2.1.2) and compositing are its
-// own.
+// Shares with the engines only the scene, voxel access, and what stands where nobody chose: the default
+// window, a set of shells' levels, transfer functions by name, the level of an iso-surface. Camera and plane
+// geometry, transfer functions, gradients and lights, interpolation (GridGeometry.h: true slice positions,
+// gaps, border held for half a voxel, no-data renormalised over the valid corners), windows (PS3.3
+// C.11.2.1.2) and compositing are its own.
 //
 // A slab is the line through [-T/2, T/2] along the normal, cut at every cell face, gap and border. Along each
 // piece a trilinear field is a cubic (next to no-data a ratio of two cubics): its maximum and minimum come
@@ -24,6 +25,7 @@
 //   Tools  have the colours of surfaces by themselves. T(t): product of 1 - alpha of the translucent
 //          ones before t. K: sum of T alpha colour of those before the first opaque one. E: T behind
 //          all of these times the opaque one's colour; 0 where there is none.
+// Projections and shells:
 //   Shows  Max, Min and Mean show something on a ray whose span has data of some length, Sum and
 //          Attenuation on every ray; shells where a shell or a cap is in the span (truth of Max: data).
 // Where nothing shows the pixel is K + E, or K + T times the scene's background where no tool is opaque.
@@ -50,12 +52,36 @@
 //   colour       of shells multiplies all their b, and phi0
 //   Caps         where the span or its data begin and end all levels <= the value there are crossed
 //                (Lit: with the normal of the face); not where an opaque tool ends it
+// Volumes and iso-surfaces, front to back; each thing on the ray covers what is behind it, at last the opaque
+// tool or, where there is none, the scene's background:
+//   blend        tools by their opacity, the field between them by C = integral of tau c exp(-integral of
+//                tau), tau = -ln(1 - a) / opacityLength. Where a stretch of the ray has opacity 1 it is
+//                opaque at once, with the colour of where it begins; a value that only touches 1 is not.
+//   colour       c of the transfer function; shaded: Material's I with the gradient at the place. The
+//                gradient is that of the layer's own field: with nearest, of the nearest voxel
+//   max, min     the greatest or least value of the span, not weighed with what tools leave, lies with its
+//                colour and its opacity (as it is, of no length) at the first place that has it; not shaded
+//   isosurface   the first place whose value is at least the level is an opaque tool. Where the span, or its
+//                data, begin there or above it is a face turned to the eye
+// Colour volumes. Blend: channels times gains, held in 0..1, alpha of a smallest spacing, opaque at once as
+// above; without alpha it is 1 times its gain. Max, min: of each channel by itself, opaque where it is first
+// reached; alpha takes no part. They are not shaded.
+// The truth is always exact post-classification: pre-classification, tables and OpacityRule::Linear are
+// engines' approximations of it, and their distance is in the model error.
+//
 // Disabled levels are none. z' is clamped to 0..1: what lies between eye and the ramp's near depth has 1.
 // Sums and shells may exceed 1; displays clamp.
 //
 // Max, Min: roots of each cell's cubic. Cue: the product with the ramp is a rational function whose
 // derivative's numerator is solved (exact but for rounding); with a sigmoid window bracketed to 1e-9. Sum:
-// cut at the window's knots. Only the model error is known of these layers: Implementation is refused.
+// cut at the window's knots. Blend: rays cut at cell faces, where the field turns, passes a point of the
+// transfer function or (shaded) turns its gradient from the eye; each stretch by Gauss-Legendre, 4 against 8
+// places, halved until they differ by less than 1e-7 of the display; until less than 1e-7 of light is left.
+//
+// Implementation is known of blended volumes with post-classification asked for: samples at (k + 1/2) step *
+// smallest spacing from the lattice's origin, of as much of their step as span and tools leave, their place
+// held in the box of voxel centres, opacity by the layer's rule, of part of a step by exponent. Of all else
+// that looks through a volume it is refused.
 //
 // Thread-safe; spreads the pixels with parallelFor. Errors: SceneInvalid (a source is missing, a pixel lies
 // outside the picture), GeometryRefused (a look through a single slice), PlaneDegenerate, NotBuiltYet,
@@ -76,14 +102,14 @@
 namespace vernier::quality {
 
 // Model: against the continuous truth, so it holds all that the technique does. Implementation: against a
-// double evaluation of the same algorithm (slabs: the same midpoint samples), so it holds the arithmetic
-// only.
+// double evaluation of the same algorithm (slabs: the same midpoint samples; blended volumes: the same
+// lattice), so it holds the arithmetic only.
 enum class ErrorKind { Model, Implementation };
 
 struct ReferenceOptions {
   ErrorKind kind = ErrorKind::Model;
-  double step =
-      1;  // of Quality, for Implementation: a slab takes ceil(T / (step * smallest spacing)) samples
+  double step = 1;  // of Quality, for Implementation: a slab takes ceil(T / (step * smallest spacing))
+                    // samples, a blended volume one every step * smallest spacing
   // By the layer's place in the scene: what a plugin says of its own layers (Technique::truth). Such a layer
   // lies over those before it and adds no pixels to the population, unless the scene has no other layer.
   std::map<std::size_t, PixelTruth> truths = {};

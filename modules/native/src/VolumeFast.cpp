@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The SIMD kernel of volume rendering: as many rays of a packet at a time as there are lanes.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "VolumeFast.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include "VolumeFast.h"
+#include "VolumeFastLight-inl.h"
+#include "VolumeFastRead-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace vernier::native {
+namespace HWY_NAMESPACE {
+
+constexpr std::int64_t kBlockSteps = 16;
+
+// The steps that the lanes' parts meet, counted from `base`, and the shares of the first and the last.
+struct LaneSteps {
+  std::int64_t base = 0;                     // least first step
+  std::int64_t last = -1;                    // greatest last step
+  std::int64_t wholeFrom = 0, wholeTo = -1;  // between these all lanes have whole steps
+  VI first, end;
+  V firstShare, lastShare;
+};
+
+HWY_INLINE LaneSteps StepsOf(const RayPacket& p, double step, int lane0) {
+  const D d;
+  const DI di;
+  constexpr int kMost = kPacketRays;
+  std::int64_t first[kMost], last[kMost];
+  alignas(64) std::int32_t from[kMost], to[kMost];
+  alignas(64) float share0[kMost], share1[kMost];
+  const int n = static_cast<int>(hn::Lanes(d));
+  LaneSteps s;
+  s.base = std::numeric_limits<std::int64_t>::max();
+  s.wholeFrom = std::numeric_limits<std::int64_t>::min(),
+  s.wholeTo = std::numeric_limits<std::int64_t>::max();
+  for (int l = 0; l < n; ++l) {
+    const double begin = p.from_mm[lane0 + l] / step, end = p.to_mm[lane0 + l] / step;
+    first[l] = 0, last[l] = -1, share0[l] = share1[l] = 0;
+    if (!(end > begin)) continue;
+    const double low = std::floor(begin), high = std::ceil(end) - 1;
+    first[l] = static_cast<std::int64_t>(low), last[l] = std::max(static_cast<std::int64_t>(high), first[l]);
+    const bool one = last[l] == first[l];
+    share0[l] = static_cast<float>(one ? end - begin : low + 1 - begin);
+    share1[l] = one ? share0[l] : static_cast<float>(end - high);
+    s.base = std::min(s.base, first[l]), s.last = std::max(s.last, last[l]);
+    s.wholeFrom = std::max(s.wholeFrom, first[l] + 1), s.wholeTo = std::min(s.wholeTo, last[l] - 1);
+  }
+  for (int l = 0; l < n; ++l) {
+    const bool empty = last[l] < first[l];
+    from[l] = empty ? 1 : static_cast<std::int32_t>(first[l] - s.base);
+    to[l] = empty ? 0 : static_cast<std::int32_t>(last[l] - s.base);
+    if (empty) s.wholeTo = -1;
+  }
+  s.first = hn::Load(di, from), s.end = hn::Load(di, to);
+  s.firstShare = hn::Load(d, share0), s.lastShare = hn::Load(d, share1);
+  return s;
+}
+
+// The state of the lanes: light so far, and where the accumulated opacity passed a half.
+struct Light {
+  V colour[3];
+  V through;
+  V before, after;  // of the step that passed the half
+  VI halfStep;      // from LaneSteps::base; -1: not yet
+};
+
+// Opacities of parts of steps: 1 - (1 - A)^share.
+HWY_NOINLINE V PartOf(V opacity, V share) {
+  const D d;
+  alignas(64) float a[kPacketRays], s[kPacketRays];
+  hn::Store(opacity, d, a), hn::Store(share, d, s);
+  for (std::size_t l = 0; l < hn::Lanes(d); ++l)
+    if (a[l] > 0 && s[l] < 1)
+      a[l] = static_cast<float>(opacityOver(static_cast<double>(a[l]), static_cast<double>(s[l])));
+  return hn::Load(d, a);
+}
+
+template <class T, bool kTable>
+class March {
+ public:
+  March(const FastVolume& v, const RayPacket& p, const PacketMarks& marks, int lane0, ProjectionWork& work)
+      : v_(v),
+        p_(p),
+        marks_(marks),
+        lane0_(lane0),
+        work_(work),
+        step_(v.job->step_mm),
+        steps_(StepsOf(p, step_, lane0)) {}
+
+  HWY_INLINE void Run(RayLight* lights) {
+    if (steps_.last < steps_.base) return;
+    LoadLight(lights);
+    for (int a = 0; a < 3; ++a) stride_[a] = DirectionOf(a);
+    if (v_.shaded) lighting_.set(v_, p_, lane0_);
+    marks_.seen.eachRun(steps_.base, steps_.last, [&](std::int64_t begin, std::int64_t end) {
+      if (marks_.holes) return WithHoles(lights, begin, end);
+      return Steps(begin, end);
+    });
+    work_.samples += samples_;
+    StoreLight(lights);
+  }
+
+ private:
+  // Lanes of origin + t * direction, from the packet's double.
+  HWY_INLINE void Begin(std::int64_t block) {
+    const D d;
+    const double t = (static_cast<double>(block) + 0.5) * step_;
+    block_ = block;
+    inner_ = inside_ = true;
+    M ok = hn::Eq(stride_[0], stride_[0]), wide = ok;
+    for (int a = 0; a < 3; ++a) {
+      const double* const o = p_.origin[a] + lane0_;
+      const double* const q = p_.direction[a] + lane0_;
+      const double whole = std::floor(o[0] + t * q[0]);
+      alignas(64) float part[kPacketRays];
+      for (std::size_t l = 0; l < hn::Lanes(d); ++l) part[l] = static_cast<float>(o[l] - whole + t * q[l]);
+      whole_[a] = static_cast<std::int64_t>(whole);
+      start_[a] = hn::Load(d, part);
+      const V end = hn::MulAdd(stride_[a], hn::Set(d, static_cast<float>(kBlockSteps)), start_[a]);
+      const V begin = hn::Sub(start_[a], stride_[a]);
+      const V least = hn::Min(begin, end), most = hn::Max(begin, end);
+      const float low = static_cast<float>(-whole_[a]);
+      const float high = static_cast<float>(v_.read.last[static_cast<std::size_t>(a)] - whole_[a]);
+      ok = hn::And(ok, hn::And(hn::Ge(least, hn::Set(d, low)), hn::Lt(most, hn::Set(d, high))));
+      wide = hn::And(wide, hn::And(hn::Ge(least, hn::Set(d, low + 1)), hn::Lt(most, hn::Set(d, high - 1))));
+    }
+    inside_ = hn::AllTrue(d, ok), inner_ = hn::AllTrue(d, wide);
+  }
+
+  HWY_INLINE V DirectionOf(int a) const {
+    const D d;
+    alignas(64) float f[kPacketRays];
+    for (std::size_t l = 0; l < hn::Lanes(d); ++l)
+      f[l] = static_cast<float>(p_.direction[a][static_cast<std::size_t>(lane0_) + l] * step_);
+    return hn::Load(d, f);
+  }
+
+  // `steps` after the block's first sample.
+  HWY_INLINE FieldPlace PlaceAt(float steps) const {
+    const D d;
+    V x[3];
+    for (int a = 0; a < 3; ++a) x[a] = hn::MulAdd(stride_[a], hn::Set(d, steps), start_[a]);
+    return PlaceOf(v_.read, whole_, x, inside_);
+  }
+
+  HWY_INLINE V TablePlace(V w) const {
+    const D d;
+    const V place = hn::MulAdd(w, hn::Set(d, v_.placeScale), hn::Set(d, v_.placeOffset));
+    return hn::Min(hn::Max(place, hn::Zero(d)), hn::Set(d, v_.lastPlace));
+  }
+
+  // False: no lane needs any further step.
+  HWY_INLINE bool Steps(std::int64_t begin, std::int64_t end) {
+    V front = hn::Zero(D());
+    bool first = true;
+    for (std::int64_t k = begin; k < end; ++k) {
+      const std::int64_t block = k - k % kBlockSteps;
+      const bool fresh = block != block_;
+      if (fresh) Begin(block);
+      if constexpr (kTable)
+        if (fresh || first)
+          front = TablePlace(FieldAt<T>(v_.read, PlaceAt(static_cast<float>(k - block) - 0.5f)).value);
+      first = false;
+      if (!Step(k, front)) return false;
+    }
+    return true;
+  }
+
+  HWY_INLINE bool Step(std::int64_t k, V& front) {
+    const D d;
+    const DI di;
+    const float within = static_cast<float>(k - block_);
+    M active = hn::Ge(light_.through, hn::Set(d, static_cast<float>(v_.job->leastLight)));
+    V share;
+    const bool cut = k < steps_.wholeFrom || k > steps_.wholeTo;
+    if (cut) {
+      const VI now = hn::Set(di, static_cast<std::int32_t>(k - steps_.base));
+      const auto outside = hn::Or(hn::Lt(now, steps_.first), hn::Gt(now, steps_.end));
+      active = hn::AndNot(hn::RebindMask(d, outside), active);
+      share = hn::IfThenElse(
+          hn::RebindMask(d, hn::Eq(now, steps_.first)), steps_.firstShare,
+          hn::IfThenElse(hn::RebindMask(d, hn::Eq(now, steps_.end)), steps_.lastShare, hn::Set(d, 1.0f)));
+    }
+    if (hn::AllFalse(d, active)) {
+      // Lanes may yet begin.
+      if constexpr (kTable) front = TablePlace(FieldAt<T>(v_.read, PlaceAt(within + 0.5f)).value);
+      return AnyLeft(k);
+    }
+    V opacity, colour[3];
+    FieldSample here;
+    FieldPlace place;
+    if constexpr (kTable) {
+      const V back = TablePlace(FieldAt<T>(v_.read, PlaceAt(within + 0.5f)).value);
+      samples_ += hn::CountTrue(d, active);
+      const TablePair pair = PairOf(v_, front, back);
+      front = back;
+      opacity = hn::IfThenElseZero(active, Bilinear(v_.opacity.data(), v_, pair));
+      active = hn::Gt(opacity, hn::Zero(d));
+      if (hn::AllFalse(d, active)) return true;
+      const V inverse = hn::Div(hn::Set(d, 1.0f), hn::IfThenElse(active, opacity, hn::Set(d, 1.0f)));
+      for (std::size_t c = 0; c < 3; ++c) colour[c] = hn::Mul(Bilinear(v_.lit[c].data(), v_, pair), inverse);
+      if (v_.shaded) place = PlaceAt(within), here = FieldAt<T>(v_.read, place);
+    } else {
+      place = PlaceAt(within);
+      here = FieldAt<T>(v_.read, place);
+      samples_ += hn::CountTrue(d, active);
+      const V at = TablePlace(here.value);
+      active =
+          hn::And(active, hn::And(hn::Gt(at, hn::Set(d, v_.seenFrom)), hn::Lt(at, hn::Set(d, v_.seenTo))));
+      if (hn::AllFalse(d, active)) return true;
+      const VI entry = hn::ConvertTo(di, at);
+      const V rest = hn::Sub(at, hn::ConvertTo(d, entry));
+      const V low = hn::GatherIndex(d, v_.opacity.data(), entry);
+      const V high = hn::GatherIndex(d, v_.opacity.data() + 1, entry);
+      opacity = hn::IfThenElseZero(active, hn::MulAdd(rest, hn::Sub(high, low), low));
+      for (std::size_t c = 0; c < 3; ++c) colour[c] = ColourOf(v_.colour[c].data(), entry, rest);
+    }
+    if (v_.shaded) lighting_.apply(v_, GradientAt<T>(v_.read, whole_, place, here, inner_), colour);
+    if (cut) opacity = PartOf(opacity, share);
+    Add(k, opacity, colour);
+    return true;
+  }
+
+  HWY_INLINE void Add(std::int64_t k, V opacity, const V (&colour)[3]) {
+    const D d;
+    const V weight = hn::Mul(light_.through, opacity);
+    for (int c = 0; c < 3; ++c) light_.colour[c] = hn::MulAdd(weight, colour[c], light_.colour[c]);
+    const V after = hn::Sub(light_.through, weight), half = hn::Set(d, 0.5f);
+    const M passed = hn::And(hn::Gt(light_.through, half), hn::Le(after, half));
+    if (!hn::AllFalse(d, passed)) {
+      light_.before = hn::IfThenElse(passed, light_.through, light_.before);
+      light_.after = hn::IfThenElse(passed, after, light_.after);
+      light_.halfStep =
+          hn::IfThenElse(hn::RebindMask(DI(), passed),
+                         hn::Set(DI(), static_cast<std::int32_t>(k - steps_.base)), light_.halfStep);
+    }
+    light_.through = after;
+  }
+
+  // Is there a lane with light left whose part goes on behind step k?
+  HWY_INLINE bool AnyLeft(std::int64_t k) const {
+    const D d;
+    const M lit = hn::Ge(light_.through, hn::Set(d, static_cast<float>(v_.job->leastLight)));
+    const M ahead =
+        hn::RebindMask(d, hn::Gt(steps_.end, hn::Set(DI(), static_cast<std::int32_t>(k - steps_.base))));
+    return !hn::AllFalse(d, hn::And(lit, ahead));
+  }
+
+  // Bins with no-data about are done in double, lane by lane.
+  HWY_NOINLINE bool WithHoles(RayLight* lights, std::int64_t begin, std::int64_t end) {
+    const RayMarks& m = marks_.seen;
+    for (std::int64_t k = begin; k < end;) {
+      const std::int64_t bin = (k - m.firstStep) / m.stepsPerBin;
+      const std::int64_t binEnd = std::min(end, m.firstStep + (bin + 1) * m.stepsPerBin);
+      if (marks_.holes[bin / 64] >> (bin % 64) & 1) {
+        StoreLight(lights);
+        for (std::size_t l = 0; l < hn::Lanes(D()); ++l) {
+          const int n = lane0_ + static_cast<int>(l);
+          if (p_.to_mm[n] > p_.from_mm[n])
+            v_.general->steps(p_.ray(n), p_.forward(n), p_.from_mm[n], p_.to_mm[n], k, binEnd, lights[n],
+                              work_);
+        }
+        LoadLight(lights);
+      } else if (!Steps(k, binEnd)) {
+        return false;
+      }
+      k = binEnd;
+    }
+    return true;
+  }
+
+  HWY_INLINE void LoadLight(const RayLight* lights) {
+    const D d;
+    alignas(64) float f[4][kPacketRays];
+    for (std::size_t l = 0; l < hn::Lanes(d); ++l) {
+      const RayLight& r = lights[static_cast<std::size_t>(lane0_) + l];
+      for (int c = 0; c < 3; ++c) f[c][l] = static_cast<float>(r.colour[c]);
+      f[3][l] = static_cast<float>(r.through);
+    }
+    for (int c = 0; c < 3; ++c) light_.colour[c] = hn::Load(d, f[c]);
+    light_.through = hn::Load(d, f[3]);
+    light_.before = light_.after = hn::Set(d, 1.0f);
+    light_.halfStep = hn::Set(DI(), -1);
+  }
+
+  HWY_INLINE void StoreLight(RayLight* lights) {
+    const D d;
+    alignas(64) float f[6][kPacketRays];
+    alignas(64) std::int32_t half[kPacketRays];
+    for (int c = 0; c < 3; ++c) hn::Store(light_.colour[c], d, f[c]);
+    hn::Store(light_.through, d, f[3]), hn::Store(light_.before, d, f[4]), hn::Store(light_.after, d, f[5]);
+    hn::Store(light_.halfStep, DI(), half);
+    for (std::size_t l = 0; l < hn::Lanes(d); ++l) {
+      const std::size_t n = static_cast<std::size_t>(lane0_) + l;
+      RayLight& r = lights[n];
+      for (int c = 0; c < 3; ++c) r.colour[c] = static_cast<double>(f[c][l]);
+      r.through = static_cast<double>(f[3][l]);
+      if (half[l] < 0) continue;
+      const StepShare s = shareOf(steps_.base + half[l], step_, p_.from_mm[n], p_.to_mm[n]);
+      r.half_mm =
+          RayLight::halfPlace(static_cast<double>(f[4][l]), static_cast<double>(f[5][l]), s.from_mm, s.to_mm);
+    }
+  }
+
+  const FastVolume& v_;
+  const RayPacket& p_;
+  const PacketMarks& marks_;
+  const int lane0_;
+  ProjectionWork& work_;
+  const double step_;
+  const LaneSteps steps_;
+  std::uint64_t samples_ = 0;
+  std::int64_t block_ = std::numeric_limits<std::int64_t>::min();
+  std::int64_t whole_[3] = {0, 0, 0};
+  V start_[3], stride_[3];  // voxels from the block's whole ones, and per step
+  bool inside_ = false, inner_ = false;
+  Light light_;
+  PacketLighting lighting_;
+};
+
+template <class T, bool kTable>
+void Blend(const FastVolume& v, const RayPacket& p, const PacketMarks& marks, RayLight* lights,
+           ProjectionWork& work) {
+  for (int lane = 0; lane < kPacketRays; lane += static_cast<int>(hn::Lanes(D()))) {
+    March<T, kTable> march(v, p, marks, lane, work);
+    march.Run(lights);
+  }
+}
+
+template <class T>
+FastBlend BlendOf(const FastVolume& v) {
+  return v.job->classification == Classification::PreIntegrated ? Blend<T, true> : Blend<T, false>;
+}
+
+FastBlend BlendFor(const FastVolume& v) {
+  switch (v.job->volume->type()) {
+    case VoxelType::U8:
+      return BlendOf<std::uint8_t>(v);
+    case VoxelType::U16:
+      return BlendOf<std::uint16_t>(v);
+    case VoxelType::I16:
+      return BlendOf<std::int16_t>(v);
+    default:
+      return BlendOf<float>(v);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace vernier::native
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace vernier::native {
+
+HWY_EXPORT(BlendFor);
+
+FastBlend fastBlendFor(const FastVolume& v) { return HWY_DYNAMIC_DISPATCH(BlendFor)(v); }
+
+}  // namespace vernier::native
+#endif
