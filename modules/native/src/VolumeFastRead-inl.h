@@ -84,8 +84,12 @@ HWY_INLINE V AcrossX(const std::uint8_t* row, VI before, VI after, V f) {
   } else {
     VI a, b, c, e;
     const auto* const p = reinterpret_cast<const std::int32_t*>(row);
-    Unpack<T>(hn::GatherOffset(di, p, before), a, b);
-    Unpack<T>(hn::GatherOffset(di, p, after), c, e);
+    const VI four = hn::GatherOffset(di, p, before);
+    Unpack<T>(four, a, b);
+    if constexpr (sizeof(T) == 1)  // all of them
+      Unpack<T>(hn::ShiftRight<16>(four), c, e);
+    else
+      Unpack<T>(hn::GatherOffset(di, p, after), c, e);
     const VI low = hn::Sub(c, a), high = hn::Sub(e, b);
     return hn::MulAdd(f, hn::ConvertTo(d, hn::Sub(high, low)), hn::ConvertTo(d, low));
   }
