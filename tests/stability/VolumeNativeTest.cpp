@@ -134,7 +134,7 @@ TEST(VolumeStability, F2_SecondOrderInTheStep) {
       };
       const Images truth = draw(1.0 / 48);
       double before = rms(draw(1), truth);
-      EXPECT_GT(before, 0.05);
+      EXPECT_GT(before, 0.02);
       for (const double step : {0.5, 0.25, 0.125}) {
         const double now = rms(draw(step), truth);
         EXPECT_NEAR(std::log2(before / now), 2.0, 0.1)
