@@ -11,8 +11,6 @@ namespace {
 
 // Built-in costs on llvmpipe with two cores; the table of this machine wins.
 constexpr double kFloatRead_ns = 80.0, kFixedRead_ns = 40.0, kRay_ns = 200.0, kSetUp_ms = 10.0;
-// Rays end where less light than this is left; twice as much as that are levels of 255 that may be missed.
-constexpr float kEnough = 1.0f / 2048;
 
 const char* fragmentOf(const GlVolumeJob& job) {
   return job.iso ? "iso.frag.glsl" : job.extreme() ? "extreme.frag.glsl" : "rays.frag.glsl";
@@ -77,7 +75,8 @@ Result<void> drawRays(gpu::Device& device, const GlVolumeJob& job, Images& image
     textures->addTo(draw);
     draw.textures.push_back(
         {"volume", volume->get(), job.fixedFunction ? gpu::Filter::Linear : gpu::Filter::Nearest});
-    for (const auto& [name, value] : {std::pair{"firstSlice", 0.0f}, {"enough", kEnough}, {"rank", 0.0f}})
+    for (const auto& [name, value] :
+         {std::pair{"firstSlice", 0.0f}, {"enough", static_cast<float>(job.leastLight)}, {"rank", 0.0f}})
       draw.uniforms.push_back({name, value});
     if (Result<void> r = drawBands(device, job, rays, draw, *target, stop); !r) return r;
     Result<DrawnPart> drawn = readBack(device, *target);
@@ -91,7 +90,8 @@ Result<void> drawRays(gpu::Device& device, const GlVolumeJob& job, Images& image
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
   Result<std::shared_ptr<GlVolumeJob>> made = glVolumeJob(layer, index, context);
   if (!made) return made.error();
-  const GlVolumeJob& job = **made;
+  GlVolumeJob& job = **made;
+  chooseOpenClassification(job);
   if (Result<void> r = checkPicture(job, context.capabilities); !r) return r.error();
   if (Result<void> r = checkWhole3dTexture(job, context.capabilities); !r) return r.error();
   if (job.extreme() && hasTranslucentTools(job))

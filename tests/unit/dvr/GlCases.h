@@ -77,7 +77,8 @@ class DvrHost final : public Host {
 
  private:
   DvrHost() {
-    for (Technique (*make)(Host&) : {dvr::glRaysTechnique, dvr::glStacksTechnique, dvr::glStacks2Technique,
+    for (Technique (*make)(Host&) : {dvr::nativeVolumeTechnique, dvr::nativeIsosurfaceTechnique,
+                                     dvr::glRaysTechnique, dvr::glStacksTechnique, dvr::glStacks2Technique,
                                      dvr::glStacks4Technique, dvr::glUncorrectedStacksTechnique,
                                      dvr::glSlabsTechnique, dvr::glStripsTechnique, dvr::glCombinedTechnique})
       EXPECT_TRUE(addTechnique(make(*this)).ok());
@@ -114,7 +115,9 @@ struct DvrCase {
       scene.layers.emplace_back(layer);
     } else {
       VolumeLayer layer;
-      layer.source = "v", layer.transfer = smoothTransfer();
+      layer.source = "v";
+      if (!this->volume().isColour())
+        layer.transfer = smoothTransfer(), layer.classification = Classification::Post;
       scene.layers.emplace_back(layer);
     }
     scene.camera.azimuth_deg = 25, scene.camera.elevation_deg = 15, scene.camera.roll_deg = 5;
