@@ -111,8 +111,8 @@ TEST_P(EnginesAgree, IsoSurfaces) {
 
 INSTANTIATE_TEST_SUITE_P(Both, EnginesAgree,
                          ::testing::Values(Projection::Orthographic, Projection::Perspective),
-                         [](const auto& info) {
-                           return info.param == Projection::Perspective ? "Perspective" : "Orthographic";
+                         [](const auto& tested) {
+                           return tested.param == Projection::Perspective ? "Perspective" : "Orthographic";
                          });
 
 }  // namespace
