@@ -77,8 +77,7 @@ class DvrHost final : public Host {
 
  private:
   DvrHost() {
-    for (Technique (*make)(Host&) : {dvr::nativeVolumeTechnique, dvr::nativeIsosurfaceTechnique,
-                                     dvr::glRaysTechnique, dvr::glStacksTechnique, dvr::glStacks2Technique,
+    for (Technique (*make)(Host&) : {dvr::glRaysTechnique, dvr::glStacksTechnique, dvr::glStacks2Technique,
                                      dvr::glStacks4Technique, dvr::glUncorrectedStacksTechnique,
                                      dvr::glSlabsTechnique, dvr::glStripsTechnique, dvr::glCombinedTechnique})
       EXPECT_TRUE(addTechnique(make(*this)).ok());

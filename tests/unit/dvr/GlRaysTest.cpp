@@ -103,7 +103,7 @@ TEST(GlRays, ExtremesKeepTheirColourAtTheirOpacity) {
     for (const bool colours : {false, true}) {
       DvrCase c(colours ? colourVolume() : bumpyVolume());
       c.layer().mode = mode;
-      if (mode == VolumeMode::Min) c.layer().transfer->opacities = {{-100, 0.3}, {300, 0.9}};
+      if (mode == VolumeMode::Min && !colours) c.layer().transfer->opacities = {{-100, 0.3}, {300, 0.9}};
       c.layer().gains = {1.5, 0.7, 1, 0.5};
       c.addTool(3, 6, 1);
       const DvrTruth truth(c);
@@ -251,29 +251,6 @@ TEST(GlRays, FixedFunctionFilteringIsForDrafts) {
   EXPECT_LT(off.worst, 255 * 3.0 / 512 + 0.5);
   c.layer().interpolation = Interpolation::Nearest;
   EXPECT_FALSE(c.plan("dvr.rays")->passes[0].fixedFunctionFiltering);
-}
-
-// RENDERING: within half a level of the native rays at 999 of 1000 pixels on the same lattice.
-TEST(GlRays, NativeRaysAgree) {
-  VERNIER_NEEDS_GL(device);
-  for (const Projection projection : kBothProjections)
-    for (int way = 0; way < 8; ++way) {
-      SCOPED_TRACE(way);
-      DvrCase c(way == 3 ? colourVolume() : bumpyVolume(tiltedGrid(30, 28, 22), {}, 30), way == 7);
-      c.scene.camera.projection = projection;
-      if (way == 1) c.layer().classification = Classification::Pre;
-      if (way == 2) c.layer().classification = Classification::PreIntegrated;
-      if (way == 4) c.layer().shading = ShadingModel::ColourPerVoxel;
-      if (way == 5) c.layer().shading = ShadingModel::GlobalAmbient, c.layer().opacity = OpacityRule::Linear;
-      if (way == 6) c.layer().interpolation = Interpolation::Nearest;
-      if (way == 7) c.quality.step = 0.2;
-      c.scene.crop = CropBox{VoxelPoint(3.2, 2.7, 1.1), VoxelPoint(22.4, 17.1, 16.6)};
-      c.addTool(-3, 6, 0.4, {0.9, 0.1, 0.9});
-      c.addTool(3, 6, 1);
-      const Result<Images> native = c.draw(way == 7 ? "iso.native" : "dvr.native");
-      ASSERT_TRUE(native.ok()) << native.error().text();
-      expectClose(c, "dvr.rays", colourOf(*native), way == 6 ? 0.02 : 0.001);
-    }
 }
 
 TEST(GlRays, AllStateIsStated) {
