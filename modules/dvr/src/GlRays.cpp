@@ -19,13 +19,14 @@ const char* fragmentOf(const GlVolumeJob& job) {
 Result<std::shared_ptr<const gpu::Program>> programOf(gpu::Device& device, const GlVolumeJob& job,
                                                       const GlInputs& inputs) {
   const char* fragment = fragmentOf(job);
-  const std::string& d = inputs.defines();
+  const std::string d = inputs.defines() + (job.walksCells ? "#define CELLS\n" : "");
   const bool classifies = !job.iso && !job.extreme();
   const auto text = [&](std::string_view file, bool wanted) { return wanted ? file : std::string_view(); };
   return device.program(
       programName(std::string("dvr ") + fragment, d), shaderOf("", {"picture.vert.glsl"}),
       shaderOf(d, {"ray.glsl", "value.glsl", text("classify.glsl", classifies), "volume.glsl",
-                   text("light.glsl", job.shaded()), text("gradient.glsl", job.shaded()), fragment}));
+                   text("light.glsl", job.shaded()), text("gradient.glsl", job.shaded()),
+                   text("cells.glsl", job.walksCells), fragment}));
 }
 
 // One part of all rays into `target`, band by band.
@@ -73,6 +74,8 @@ Result<void> drawRays(gpu::Device& device, const GlVolumeJob& job, Images& image
     draw.primitive = gpu::Primitive::TriangleStrip;
     inputs->addTo(draw);
     textures->addTo(draw);
+    const GridGeometry& g = job.volume->grid();
+    draw.uniforms.push_back({"mostCells", static_cast<int>(g.columns + g.rows + g.slices)});
     draw.textures.push_back(
         {"volume", volume->get(), job.fixedFunction ? gpu::Filter::Linear : gpu::Filter::Nearest});
     for (const auto& [name, value] :
@@ -87,11 +90,21 @@ Result<void> drawRays(gpu::Device& device, const GlVolumeJob& job, Images& image
   return {};
 }
 
+// As the native rays do: exact where the field is known in every cell. Float volumes may hold NaN anywhere.
+bool mayWalkCells(const GlVolumeJob& job, QualityLevel level) {
+  if (!job.iso && !(job.extreme() && level != QualityLevel::Draft)) return false;
+  const Volume& v = *job.volume;
+  return !v.isColour() && !v.info().noData && v.type() != VoxelType::F32 &&
+         (job.iso || job.interpolation == Interpolation::Linear);
+}
+
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
   Result<std::shared_ptr<GlVolumeJob>> made = glVolumeJob(layer, index, context);
   if (!made) return made.error();
   GlVolumeJob& job = **made;
   chooseOpenClassification(job);
+  job.walksCells = mayWalkCells(job, context.quality.level);
+  job.fixedFunction = job.fixedFunction && !job.walksCells;
   if (Result<void> r = checkPicture(job, context.capabilities); !r) return r.error();
   if (Result<void> r = checkWhole3dTexture(job, context.capabilities); !r) return r.error();
   if (job.extreme() && hasTranslucentTools(job))

@@ -84,7 +84,7 @@ std::string GlVolumeJob::dump() const {
   constexpr const char* models[] = {"", ", global ambient", ", colour per voxel"};
   std::string s = iso ? "iso " + number(level) : modes[static_cast<int>(mode)];
   s += perspective() ? ", perspective" : ", orthographic";
-  s += ", step " + number(step_mm) + " mm";
+  s += walksCells ? ", cell by cell" : ", step " + number(step_mm) + " mm";
   if (!iso && volume->isColour()) s += ", RGBA";
   if (!iso && !volume->isColour()) s += std::string(", ") + classes[static_cast<int>(classification)];
   if (opacity == OpacityRule::Linear) s += ", linear opacity";
@@ -180,6 +180,7 @@ Result<TransferTable> tableOf(const GlVolumeJob& job, double step_mm) {
 double predictedError(const GlVolumeJob& job, double step) {
   const double filter = job.fixedFunction ? 255 * 3.0 / 512 : 0;
   if (job.opacity == OpacityRule::Linear && !job.iso) return filter + 4;
+  if (job.walksCells) return 0.5;
   return filter + (job.iso ? 2.0 : job.extreme() ? 12.0 : 2.0) * step;
 }
 

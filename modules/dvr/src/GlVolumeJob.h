@@ -25,6 +25,7 @@ struct GlVolumeJob final : PassParams {
   double step_mm = 1;                             // of the sampling lattice
   double leastLight = native::kReviewLeastLight;  // rays end where less is left
   bool wantValues = false;
+  bool walksCells = false;  // rays find levels and extremes cell by cell
 
   bool iso = false;
   double level = 0;  // of the iso-surface

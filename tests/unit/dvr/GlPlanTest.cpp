@@ -67,7 +67,7 @@ TEST_F(GlVolumePlan, ALayerSaysAllOfItself) {
             "blend, perspective, step 0.8 mm, pre-integrated, colour per voxel, lights 1, cut by 1 "
             "planes, tools 1");
   c = DvrCase(bumpyVolume(), true);
-  EXPECT_EQ(ask("dvr.rays")->front().params->dump(), "iso 60, orthographic, step 0.8 mm, lights 1");
+  EXPECT_EQ(ask("dvr.rays")->front().params->dump(), "iso 60, orthographic, cell by cell, lights 1");
 }
 
 TEST_F(GlVolumePlan, TechniquesThatCanIntegrateStepsDoWhereTheFunctionIsSteep) {
