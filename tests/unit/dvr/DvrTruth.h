@@ -63,7 +63,7 @@ class DvrTruth : public DvrSample {
     const glm::dvec3 behind = t.ends() ? t.endColour : rgb(case_.scene.background);
     if (s.empty()) return behind;
     const double sign = layer_.mode == VolumeMode::Min ? -1 : 1,
-                 d = case_.step_mm() * (volume_.isColour() ? 1 : 0.02);
+                 d = case_.step_mm() * (volume_.isColour() ? 1 : 0.02 / case_.quality.step);
     std::optional<double> best;
     glm::dvec3 channels(sign * -1e9);
     const auto take = [&](double at) {
