@@ -9,7 +9,7 @@ vec4 appearance(vec4 mean, vec3 eye) {
   vec4 c = clamp(mean * gains, 0.0, 1.0);
   return vec4(c.rgb, opacityOfLengths(c.a, rgbaLengths));
 #elif defined(PRE)
-  return mean.a > 0.0 ? vec4(mean.rgb / mean.a, mean.a) : vec4(0.0);
+  return mean.a > 0.0 ? vec4(mean.rgb / mean.a, opacityOfLengths(mean.a, preLengths)) : vec4(0.0);
 #else
   vec4 c = lookedUp(mean.a);
 #ifdef SHADED

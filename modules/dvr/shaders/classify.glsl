@@ -2,6 +2,10 @@
 uniform sampler2D table;
 uniform vec2 entryOfValue;  // entry = x * value + y
 
+#ifdef PRE
+uniform float preLengths;  // steps in terms of the length that the opacities of voxels are given for
+#endif
+
 vec4 lookedUp(float value) {
   float last = float(textureSize(table, 0).x - 1);
   float entry = clamp(value * entryOfValue.x + entryOfValue.y, 0.0, last);

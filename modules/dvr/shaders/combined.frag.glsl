@@ -43,7 +43,7 @@ vec4 colourOf(Texel t) {
   vec4 c = clamp(t.mean * gains, 0.0, 1.0);
   return vec4(c.rgb, opacityOfLengths(c.a, t.lengths * rgbaLengths));
 #elif defined(PRE)
-  return t.mean.a > 0.0 ? vec4(t.mean.rgb / t.mean.a, opacityOfLengths(t.mean.a, t.lengths)) : vec4(0.0);
+  return t.mean.a > 0.0 ? vec4(t.mean.rgb / t.mean.a, opacityOfLengths(t.mean.a, t.lengths * preLengths)) : vec4(0.0);
 #else
   vec4 c = lookedUp(t.mean.a);
   return vec4(c.rgb, opacityOfLengths(c.a, t.lengths));

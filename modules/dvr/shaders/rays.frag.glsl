@@ -1,7 +1,7 @@
 // One part of each ray, sample by sample on the view's lattice.
 uniform float enough;  // no more samples when less light than this is left
 layout(location = 0) out vec4 seen;   // colour, what is left of light from behind
-layout(location = 1) out vec4 found;  // mm from the entry (-1: nothing), samples, value
+layout(location = 1) out vec4 found;  // mm from the entry (-1: nothing), samples, value, cells
 
 #ifdef SHADED
 uniform vec3 ambientColour;
@@ -73,5 +73,5 @@ void main() {
     if (lattice.w * left < enough) break;
   }
   seen = vec4(sum, left);
-  found = vec4(depth, samples, 0.0, 1.0);
+  found = vec4(depth, samples, 0.0, 0.0);
 }

@@ -83,7 +83,7 @@ vec4 classifiedAt(vec3 p, out float value) {
   preWeight = 0.0;
   vec4 sum = cornersAt(p);
   if (preWeight < kLeastWeight || sum.a <= 0.0) return vec4(0.0);
-  return vec4(sum.rgb / sum.a, sum.a / preWeight);
+  return vec4(sum.rgb / sum.a, opacityOfLengths(sum.a / preWeight, preLengths));
 #else
   vec2 v = fieldAt(p);
   value = v.x;

@@ -124,7 +124,11 @@ Result<GlInputs> GlInputs::make(gpu::Device& device, const GlVolumeJob& job, dou
   addLight(in.uniforms_, job);
   in.uniforms_.push_back({"rgbaLengths", static_cast<float>(table_mm / job.smallestSpacing_mm())});
   if (job.iso || job.volume->isColour()) return in;
-  Result<TransferTable> table = tableOf(job, table_mm);
+  // Voxels that are classified first are interpolated with the opacities that the function gives.
+  const bool pre = job.classification == Classification::Pre;
+  const double given_mm = job.transfer.opacityLength_mm;
+  in.uniforms_.push_back({"preLengths", static_cast<float>(table_mm / given_mm)});
+  Result<TransferTable> table = tableOf(job, pre ? given_mm : table_mm);
   if (!table) return table.error();
   Result<gpu::Texture> made =
       device.texture2d(gpu::Format::Rgba32F, table->size, 1, std::as_bytes(std::span(table->rgba)));

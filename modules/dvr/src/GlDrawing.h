@@ -27,7 +27,7 @@ inline constexpr std::uint64_t kBatchReads = 400000;
 // What a part of all rays came to, as it was read back: 4 floats a pixel.
 struct DrawnPart {
   std::vector<float> seen;   // colour, what is left of light from behind
-  std::vector<float> found;  // mm from the part's entry (-1: nothing), samples, value in texels
+  std::vector<float> found;  // mm from the part's entry (-1: nothing), samples, value in texels, cells
 };
 
 // The uniforms and textures of one job. The textures live as long as it.
@@ -78,7 +78,7 @@ class PictureMaker {
   std::vector<glm::dvec3> colour_;
   std::vector<float> depth_, values_;
   std::vector<bool> covered_;  // by a colour volume's extreme: the background does not show
-  std::uint64_t samples_ = 0;
+  std::uint64_t samples_ = 0, cells_ = 0;
 };
 
 // What the device did since `before`, added to the picture's counters; samples are the technique's to count.

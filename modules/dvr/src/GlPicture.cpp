@@ -39,6 +39,7 @@ void PictureMaker::take(std::size_t n, const RayImages& rays, const DrawnPart& d
     const native::ToolsOnRay tools = parts_.tools(p);
     if (rays.lattice[4 * p + 2] > 0) {
       samples_ += static_cast<std::uint64_t>(drawn.found[4 * p + 1]);
+      cells_ += static_cast<std::uint64_t>(drawn.found[4 * p + 3]);
       if (job_.extreme()) {
         takeExtreme(p, rays, drawn);
       } else {
@@ -74,6 +75,7 @@ void PictureMaker::finish(Images& images) {
     if (!images.values.empty()) images.values[p] = values_[p];
   }
   images.counters.samples += samples_;
+  images.counters.cells += cells_;
   images.counters.triangles += parts_.counters().triangles;
 }
 

@@ -11,8 +11,6 @@ namespace {
 
 // Built-in costs on llvmpipe with two cores; the table of this machine wins.
 constexpr double kFloatRead_ns = 80.0, kFixedRead_ns = 40.0, kRay_ns = 200.0, kSetUp_ms = 10.0;
-// Rays end where less light than this is left; twice as much as that are levels of 255 that may be missed.
-constexpr float kEnough = 1.0f / 2048;
 
 const char* fragmentOf(const GlVolumeJob& job) {
   return job.iso ? "iso.frag.glsl" : job.extreme() ? "extreme.frag.glsl" : "rays.frag.glsl";
@@ -21,13 +19,14 @@ const char* fragmentOf(const GlVolumeJob& job) {
 Result<std::shared_ptr<const gpu::Program>> programOf(gpu::Device& device, const GlVolumeJob& job,
                                                       const GlInputs& inputs) {
   const char* fragment = fragmentOf(job);
-  const std::string& d = inputs.defines();
+  const std::string d = inputs.defines() + (job.walksCells ? "#define CELLS\n" : "");
   const bool classifies = !job.iso && !job.extreme();
   const auto text = [&](std::string_view file, bool wanted) { return wanted ? file : std::string_view(); };
   return device.program(
       programName(std::string("dvr ") + fragment, d), shaderOf("", {"picture.vert.glsl"}),
       shaderOf(d, {"ray.glsl", "value.glsl", text("classify.glsl", classifies), "volume.glsl",
-                   text("light.glsl", job.shaded()), text("gradient.glsl", job.shaded()), fragment}));
+                   text("light.glsl", job.shaded()), text("gradient.glsl", job.shaded()),
+                   text("cells.glsl", job.walksCells), fragment}));
 }
 
 // One part of all rays into `target`, band by band.
@@ -75,9 +74,12 @@ Result<void> drawRays(gpu::Device& device, const GlVolumeJob& job, Images& image
     draw.primitive = gpu::Primitive::TriangleStrip;
     inputs->addTo(draw);
     textures->addTo(draw);
+    const GridGeometry& g = job.volume->grid();
+    draw.uniforms.push_back({"mostCells", static_cast<int>(g.columns + g.rows + g.slices)});
     draw.textures.push_back(
         {"volume", volume->get(), job.fixedFunction ? gpu::Filter::Linear : gpu::Filter::Nearest});
-    for (const auto& [name, value] : {std::pair{"firstSlice", 0.0f}, {"enough", kEnough}, {"rank", 0.0f}})
+    for (const auto& [name, value] :
+         {std::pair{"firstSlice", 0.0f}, {"enough", static_cast<float>(job.leastLight)}, {"rank", 0.0f}})
       draw.uniforms.push_back({name, value});
     if (Result<void> r = drawBands(device, job, rays, draw, *target, stop); !r) return r;
     Result<DrawnPart> drawn = readBack(device, *target);
@@ -88,10 +90,21 @@ Result<void> drawRays(gpu::Device& device, const GlVolumeJob& job, Images& image
   return {};
 }
 
+// As the native rays do: exact where the field is known in every cell. Float volumes may hold NaN anywhere.
+bool mayWalkCells(const GlVolumeJob& job, QualityLevel level) {
+  if (!job.iso && !(job.extreme() && level != QualityLevel::Draft)) return false;
+  const Volume& v = *job.volume;
+  return !v.isColour() && !v.info().noData && v.type() != VoxelType::F32 &&
+         (job.iso || job.interpolation == Interpolation::Linear);
+}
+
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
   Result<std::shared_ptr<GlVolumeJob>> made = glVolumeJob(layer, index, context);
   if (!made) return made.error();
-  const GlVolumeJob& job = **made;
+  GlVolumeJob& job = **made;
+  chooseOpenClassification(job);
+  job.walksCells = mayWalkCells(job, context.quality.level);
+  job.fixedFunction = job.fixedFunction && !job.walksCells;
   if (Result<void> r = checkPicture(job, context.capabilities); !r) return r.error();
   if (Result<void> r = checkWhole3dTexture(job, context.capabilities); !r) return r.error();
   if (job.extreme() && hasTranslucentTools(job))

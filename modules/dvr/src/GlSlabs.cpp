@@ -299,6 +299,8 @@ Result<std::vector<Pass>> passesFor(const SlabKind& kind, const Layer& layer, st
   if (!made) return made.error();
   GlVolumeJob& job = **made;
   if (Result<void> r = takeSlabs(job, kind, context.capabilities); !r) return r.error();
+  if (!kind.strips && job.slabSlices == job.volume->grid().slices && !job.shaded())
+    chooseOpenClassification(job);
   if (Result<void> r = checkSlabs(job, context.capabilities); !r) return r.error();
   job.fixedFunction = job.fixedFunction && !job.shaded();
   const GridGeometry& g = job.volume->grid();

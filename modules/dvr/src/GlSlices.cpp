@@ -88,7 +88,7 @@ Result<DrawnPart> SliceTargets::read() {
   const std::size_t pixels = part->found.size() / 4;
   const float sign = signOfExtreme(*job_);
   for (std::size_t p = 0; p < pixels; ++p) {
-    part->found[4 * p + 1] = 0;
+    part->found[4 * p + 1] = part->found[4 * p + 3] = 0;
     if (!job_->extreme()) continue;
     part->found[4 * p + 2] = sign * part->seen[4 * p];
     for (std::size_t c = 0; c < 3; ++c) part->seen[4 * p + c] *= sign;

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "ChooseClassification.h"
+#include "NativeLook.h"
 
 namespace vernier::dvr {
 namespace {
@@ -13,10 +15,19 @@ Error invalid(std::string why, std::string where) {
   return makeError(ErrorCode::SceneInvalid, std::move(why), std::move(where));
 }
 
-std::string number(double v) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", v);
-  return text;
+// As dvr.native takes them.
+Result<void> takeColours(const VolumeLayer& layer, const std::string& where, GlVolumeJob& job) {
+  if (layer.transfer || !layer.preset.empty())
+    return invalid("A colour volume has its own colours and takes no transfer function.",
+                   where + (layer.transfer ? "/transfer" : "/preset"));
+  if (job.shading != ShadingModel::None)
+    return cannot("A colour volume has no single values whose gradient could be lit.");
+  if (layer.classification && *layer.classification != Classification::Post)
+    return cannot("A colour volume has no values that could be classified.");
+  for (std::size_t c = 0; c < 4; ++c)
+    if (!(layer.gains[c] >= 0) || !std::isfinite(layer.gains[c]))
+      return invalid("A gain is a number not below 0.", where + "/gains/" + std::to_string(c));
+  return {};
 }
 
 Result<void> takeVolume(const VolumeLayer& layer, const std::string& where, GlVolumeJob& job) {
@@ -25,14 +36,18 @@ Result<void> takeVolume(const VolumeLayer& layer, const std::string& where, GlVo
   job.combiner = layer.combiner, job.outlines = layer.outlines;
   if (!job.combiner.empty()) job.shading = ShadingModel::None;
   job.classification = layer.classification.value_or(Classification::Post);
+  if (Result<void> r = checkMaterial(layer.material, where + "/material"); !r) return r;
   if (layer.interpolation == Interpolation::Cubic)
     return cannot("Volumes are interpolated nearest or linear.");
-  if (job.volume->isColour()) {
-    if (job.shading != ShadingModel::None)
-      return cannot("A colour volume has no values whose gradient could be shaded.");
-    job.classification = Classification::Post;
-    return {};
-  }
+  if (job.extreme() && job.shading != ShadingModel::None)
+    return cannot("A greatest or least value has no face that could be lit.");
+  if (job.volume->isColour()) return takeColours(layer, where, job);
+  if (layer.classification == Classification::PreIntegrated && layer.opacity == OpacityRule::Linear)
+    return cannot(
+        "Pre-integrated tables hold exact opacities; the linear rule is for the other classifications.");
+  job.classificationOpen = !layer.classification && job.mode == VolumeMode::Blend &&
+                           layer.opacity == OpacityRule::Exact &&
+                           layer.interpolation == Interpolation::Linear;
   if (layer.transfer) {
     job.transfer = *layer.transfer;
     const Result<void> ok = checkTransferFunction(job.transfer);
@@ -46,7 +61,10 @@ Result<void> takeVolume(const VolumeLayer& layer, const std::string& where, GlVo
   return {};
 }
 
-Result<void> takeIso(const IsosurfaceLayer& layer, GlVolumeJob& job) {
+Result<void> takeIso(const IsosurfaceLayer& layer, const std::string& where, GlVolumeJob& job) {
+  if (layer.level && !std::isfinite(*layer.level))
+    return invalid("The level must be a finite number.", where + "/level");
+  if (Result<void> r = checkMaterial(layer.material, where + "/material"); !r) return r;
   if (job.volume->isColour()) return cannot("A colour volume has no iso-surfaces.");
   job.iso = true, job.material = layer.material, job.combiner = layer.combiner;
   job.level = layer.level.value_or(defaultIsoLevel(*job.volume));
@@ -66,7 +84,7 @@ std::string GlVolumeJob::dump() const {
   constexpr const char* models[] = {"", ", global ambient", ", colour per voxel"};
   std::string s = iso ? "iso " + number(level) : modes[static_cast<int>(mode)];
   s += perspective() ? ", perspective" : ", orthographic";
-  s += ", step " + number(step_mm) + " mm";
+  s += walksCells ? ", cell by cell" : ", step " + number(step_mm) + " mm";
   if (!iso && volume->isColour()) s += ", RGBA";
   if (!iso && !volume->isColour()) s += std::string(", ") + classes[static_cast<int>(classification)];
   if (opacity == OpacityRule::Linear) s += ", linear opacity";
@@ -98,7 +116,8 @@ Result<std::shared_ptr<GlVolumeJob>> glVolumeJob(const Layer& any, std::size_t i
   if (!region) return region.error();
   Result<CameraPicture> camera = cameraPicture(context.scene.camera, context.view, cameraBox(grid));
   if (!camera) return camera.error();
-  if (Result<void> r = layer ? takeVolume(*layer, where, *job) : takeIso(*iso, *job); !r) return r.error();
+  if (Result<void> r = layer ? takeVolume(*layer, where, *job) : takeIso(*iso, where, *job); !r)
+    return r.error();
   if (!grid.even())
     return cannot("The slices are unevenly spaced or have gaps, and textures here know even spacing only.");
   if (!job->volume->isColour()) {
@@ -113,6 +132,7 @@ Result<std::shared_ptr<GlVolumeJob>> glVolumeJob(const Layer& any, std::size_t i
   job->lights = context.scene.lights.empty() ? std::vector<Light>{Light{}} : context.scene.lights;
   job->step_mm = context.quality.step * job->smallestSpacing_mm();
   job->wantValues = context.view.wantValues;
+  if (context.quality.level == QualityLevel::Reference) job->leastLight = native::kReferenceLeastLight;
   job->fixedFunction = context.quality.level == QualityLevel::Draft && !job->volume->isColour() &&
                        !job->iso && job->classification != Classification::Pre &&
                        gpu::mayUseFixedFunction(*job->volume, job->interpolation);
@@ -146,6 +166,11 @@ bool hasTranslucentTools(const GlVolumeJob& job) {
                      [](const PlacedSurface& t) { return t.opacity < 1; });
 }
 
+void chooseOpenClassification(GlVolumeJob& job) {
+  if (job.classificationOpen)
+    job.classification = chooseClassification(*job.volume, job.transfer, job.step_mm);
+}
+
 Result<TransferTable> tableOf(const GlVolumeJob& job, double step_mm) {
   const Volume::Range values = job.volume->modalityRange().value_or(Volume::Range{0, 1});
   return makeTransferTable(job.transfer, transferTableRange(job.transfer, values), step_mm,
@@ -155,6 +180,7 @@ Result<TransferTable> tableOf(const GlVolumeJob& job, double step_mm) {
 double predictedError(const GlVolumeJob& job, double step) {
   const double filter = job.fixedFunction ? 255 * 3.0 / 512 : 0;
   if (job.opacity == OpacityRule::Linear && !job.iso) return filter + 4;
+  if (job.walksCells) return 0.5;
   return filter + (job.iso ? 2.0 : job.extreme() ? 12.0 : 2.0) * step;
 }
 

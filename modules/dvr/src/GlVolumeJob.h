@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "vernier/gpu/VolumePlanes.h"
+#include "vernier/native/VolumeRender.h"
 #include "vernier/plan/Volumetric.h"
 #include "vernier/volume/TransferTable.h"
 
@@ -21,8 +22,10 @@ struct GlVolumeJob final : PassParams {
   std::vector<HalfSpace> region;  // keptRegion
   std::vector<PlacedSurface> tools;
   glm::dvec3 background{0};
-  double step_mm = 1;  // of the sampling lattice
+  double step_mm = 1;                             // of the sampling lattice
+  double leastLight = native::kReviewLeastLight;  // rays end where less is left
   bool wantValues = false;
+  bool walksCells = false;  // rays find levels and extremes cell by cell
 
   bool iso = false;
   double level = 0;  // of the iso-surface
@@ -30,6 +33,7 @@ struct GlVolumeJob final : PassParams {
   TransferFunction transfer;
   std::array<double, 4> gains{1, 1, 1, 1};
   Classification classification = Classification::Post;
+  bool classificationOpen = false;  // the layer leaves it to the technique
   OpacityRule opacity = OpacityRule::Exact;
   Interpolation interpolation = Interpolation::Linear;
   ShadingModel shading = ShadingModel::None;
@@ -59,6 +63,9 @@ Result<void> checkPicture(const GlVolumeJob&, const Capabilities&);
 Result<void> checkWhole3dTexture(const GlVolumeJob&, const Capabilities&);
 // Translucent tools with accumulators that cannot take them.
 bool hasTranslucentTools(const GlVolumeJob&);
+
+// What chooseClassification says, where the layer leaves it open; for techniques that can integrate steps.
+void chooseOpenClassification(GlVolumeJob&);
 
 // The table of one step of step_mm over the values of the volume.
 Result<TransferTable> tableOf(const GlVolumeJob&, double step_mm);

@@ -132,10 +132,11 @@ class DvrSample {
       if (w == 0) continue;
       const double v = volume_.modality(static_cast<std::int64_t>(at.x), static_cast<std::int64_t>(at.y),
                                         static_cast<std::int64_t>(at.z));
-      const double a = over(opacityAt(*layer_.transfer, v), length_mm / layer_.transfer->opacityLength_mm);
+      const double a = opacityAt(*layer_.transfer, v);
       sum += w * glm::dvec4(a * colourAt(*layer_.transfer, v), a);
     }
-    return sum.w > 0 ? glm::dvec4(glm::dvec3(sum) / sum.w, sum.w) : glm::dvec4(0);
+    const double lengths = length_mm / layer_.transfer->opacityLength_mm;
+    return sum.w > 0 ? glm::dvec4(glm::dvec3(sum) / sum.w, over(sum.w, lengths)) : glm::dvec4(0);
   }
   const DvrCase& case_;
   const Volume& volume_;

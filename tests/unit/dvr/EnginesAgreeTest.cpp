@@ -100,6 +100,16 @@ TEST_P(EnginesAgree, Extremes) {
   }
 }
 
+TEST_P(EnginesAgree, ColourVolumesAndLinearOpacity) {
+  if (!glDevice()) GTEST_SKIP();
+  DvrCase colours = of(colourVolume());
+  colours.layer().gains = {1.2, 0.8, 2, 1.7};
+  expectAgreement(colours, "dvr.native");
+  DvrCase linear = of();
+  linear.layer().opacity = OpacityRule::Linear;
+  expectAgreement(linear, "dvr.native");
+}
+
 TEST_P(EnginesAgree, IsoSurfaces) {
   if (!glDevice()) GTEST_SKIP();
   DvrCase c = of(bumpyVolume(), true);

@@ -114,7 +114,9 @@ struct DvrCase {
       scene.layers.emplace_back(layer);
     } else {
       VolumeLayer layer;
-      layer.source = "v", layer.transfer = smoothTransfer();
+      layer.source = "v";
+      if (!this->volume().isColour())
+        layer.transfer = smoothTransfer(), layer.classification = Classification::Post;
       scene.layers.emplace_back(layer);
     }
     scene.camera.azimuth_deg = 25, scene.camera.elevation_deg = 15, scene.camera.roll_deg = 5;

@@ -60,16 +60,26 @@ TEST_F(GlVolumePlan, RaysStateTheirTextureAndWhatTheyDo) {
 
 TEST_F(GlVolumePlan, ALayerSaysAllOfItself) {
   c.layer().shading = ShadingModel::ColourPerVoxel, c.layer().classification = Classification::PreIntegrated;
-  c.layer().opacity = OpacityRule::Linear;
   c.scene.camera.projection = Projection::Perspective;
   c.scene.clip = {{PatientVec(1, 0, 0), 0}};
   c.addTool(0, 3, 0.5);
-  EXPECT_EQ(
-      ask("dvr.rays")->front().params->dump(),
-      "blend, perspective, step 0.8 mm, pre-integrated, linear opacity, colour per voxel, lights 1, cut by 1 "
-      "planes, tools 1");
+  EXPECT_EQ(ask("dvr.rays")->front().params->dump(),
+            "blend, perspective, step 0.8 mm, pre-integrated, colour per voxel, lights 1, cut by 1 "
+            "planes, tools 1");
   c = DvrCase(bumpyVolume(), true);
-  EXPECT_EQ(ask("dvr.rays")->front().params->dump(), "iso 60, orthographic, step 0.8 mm, lights 1");
+  EXPECT_EQ(ask("dvr.rays")->front().params->dump(), "iso 60, orthographic, cell by cell, lights 1");
+}
+
+TEST_F(GlVolumePlan, TechniquesThatCanIntegrateStepsDoWhereTheFunctionIsSteep) {
+  c.layer().classification.reset();
+  EXPECT_THAT(ask("dvr.rays")->front().params->dump(), HasSubstr(", post"));
+  c.layer().transfer->opacities = {{40, 0}, {41, .9}, {42, 0}};
+  for (const char* technique : {"dvr.rays", "dvr.slabs"})
+    EXPECT_THAT(ask(technique)->front().params->dump(), HasSubstr(", pre-integrated"));
+  for (const char* technique : {"dvr.stacks", "dvr.strips"})
+    EXPECT_THAT(ask(technique)->front().params->dump(), HasSubstr(", post"));
+  machine.glTextureBudget_bytes = 8 * 30 * 28 * 2;
+  EXPECT_THAT(ask("dvr.slabs")->front().params->dump(), HasSubstr(", post"));
 }
 
 TEST_F(GlVolumePlan, RaysRefuseWhatA3dTextureCannotHold) {
@@ -160,8 +170,12 @@ TEST_F(GlVolumePlan, WhatHasNoInsideOrNoMeaningIsRefused) {
   EXPECT_THAT(refused("dvr.rays"), HasSubstr("nothing"));
   c.layer().preset = "";
   EXPECT_TRUE(ask("dvr.rays").ok());
-  show(colourVolume());
-  c.layer().shading = ShadingModel::ColourPerVoxel;
+  c.layer().material.power = -1;
+  EXPECT_FALSE(ask("dvr.rays").ok());
+  c = DvrCase(colourVolume());
+  c.layer().gains[1] = -1;
+  EXPECT_THAT(refused("dvr.rays"), HasSubstr("gain"));
+  c.layer().gains[1] = 1, c.layer().shading = ShadingModel::ColourPerVoxel;
   EXPECT_THAT(refused("dvr.rays"), HasSubstr("colour volume"));
   c = DvrCase(colourVolume(), true);
   EXPECT_THAT(refused("dvr.rays"), HasSubstr("no iso-surfaces"));

