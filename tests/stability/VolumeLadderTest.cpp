@@ -16,8 +16,9 @@ namespace {
 
 struct Case {
   std::string name;
-  std::string scale;  // of a phantom; "": a real file
+  std::string setting, value;  // of a phantom; "": a real file
 };
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 // Values rise and fall without a bend that a step could see: a raised cosine of many points.
 TransferFunction smoothFunction(const Volume::Range& r) {
@@ -41,7 +42,7 @@ class VolumeLadder : public ::testing::TestWithParam<Case> {
   // False, having said so, where the real volume is not here.
   bool open() {
     std::string path;
-    if (GetParam().scale.empty()) {
+    if (GetParam().setting.empty()) {
       const auto file = test::dataDir() / GetParam().name;
       if (!std::filesystem::exists(file)) {
         std::cout << "[  NOTE    ] " << GetParam().name << " is not here: not checked\n";
@@ -50,7 +51,7 @@ class VolumeLadder : public ::testing::TestWithParam<Case> {
       path = file.string();
     } else {
       PhantomOptions options;
-      options.settings["scale"] = GetParam().scale;
+      options.settings[GetParam().setting] = GetParam().value;
       const Result<PhantomInfo> made = writePhantom(GetParam().name, dir_.path(), options);
       EXPECT_TRUE(made) << (made ? "" : made.error().text());
       path = made->data.string();
@@ -145,9 +146,10 @@ TEST_P(VolumeLadder, ErrorNeverRisesFromDraftToReviewToReference) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Volumes, VolumeLadder,
-                         ::testing::Values(Case{"vessels", "0.5"}, Case{"marschner-lobb", "1"},
-                                           Case{"ct-head", "0.2"}, Case{"vol_engine/engine.nii.gz", ""},
-                                           Case{"vol_headsq_ct/headsq.vti", ""}),
+                         ::testing::Values(Case{"vessels", "scale", "0.5"}, Case{"marschner-lobb", "n", "41"},
+                                           Case{"ct-head", "scale", "0.2"},
+                                           Case{"vol_engine/engine.nii.gz", "", ""},
+                                           Case{"vol_mr_t1_brain/T1.nii.gz", "", ""}),
                          [](const auto& tested) {
                            std::string name = tested.param.name.substr(0, tested.param.name.find('/'));
                            for (char& c : name)

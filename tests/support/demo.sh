@@ -69,7 +69,7 @@ done
 
 say "The same picture by every technique:"
 "$vernier" sheet "$out/vessels" --out "$out/dvr-techniques.png" --title "one picture, every technique" --columns 4 \
-  --size 384x384 --camera azimuth=30,elevation=20,zoom=1.4 \
+  --size 256x256 --camera azimuth=30,elevation=20,zoom=1.4 \
   --views "dvr:dvr.native+x1,dvr:dvr.native+x4,dvr:dvr.rays+x1,dvr:dvr.stacks+x1,dvr:dvr.stacks+x2,dvr:dvr.stacks+x4,dvr:dvr.stacks2+x1,dvr:dvr.slabs+x1"
 
 say "Broken series load too; what is wrong is said:"
