@@ -114,7 +114,7 @@ TEST_P(VolumeLadder, StepsAndSurfacesAreRightApartFromTheirEdges) {
     EXPECT_LE(r->error->innerP95, 0.5)
         << view << " at step " << r->step << ", edges " << r->error->edge.share;
     EXPECT_LT(r->error->edge.share, 0.8) << view << ": what is no edge is not told apart";
-    if (!r->goalReached) EXPECT_FALSE(r->goalNote.empty());
+    EXPECT_TRUE(r->goalReached || !r->goalNote.empty()) << view;
   }
 }
 
@@ -148,8 +148,8 @@ INSTANTIATE_TEST_SUITE_P(Volumes, VolumeLadder,
                          ::testing::Values(Case{"vessels", "0.5"}, Case{"marschner-lobb", "1"},
                                            Case{"ct-head", "0.2"}, Case{"vol_engine/engine.nii.gz", ""},
                                            Case{"vol_headsq_ct/headsq.vti", ""}),
-                         [](const auto& info) {
-                           std::string name = info.param.name.substr(0, info.param.name.find('/'));
+                         [](const auto& tested) {
+                           std::string name = tested.param.name.substr(0, tested.param.name.find('/'));
                            for (char& c : name)
                              if (c == '-') c = '_';
                            return name;

@@ -17,7 +17,7 @@ namespace vernier::angiography {
 namespace {
 
 // Built-in costs: of a sample, measured on llvmpipe with two cores, and of a pixel on the host.
-constexpr double kSoftwareSample_ns = 60.0, kCardSample_ns = 0.05, kPixel_ns = 300.0, kSetUp_ms = 3.0;
+constexpr double kSoftwareSample_ns = 30.0, kCardSample_ns = 0.05, kPixel_ns = 300.0, kSetUp_ms = 3.0;
 constexpr double kBatchSamples = 5e5;  // between two looks at the stop token
 constexpr int kBatchColumns = 64;
 constexpr std::uint64_t kBytesPerPixel = 32;  // a part's ends, and what it amounts to

@@ -77,12 +77,23 @@ double GlDrawing::depthOf(std::size_t pixel, const std::vector<float>& seen,
   return texel(seen, 1);
 }
 
+namespace {
+
+void put(Images& images, std::size_t pixel, const glm::dvec3& colour, double depth_mm) {
+  for (int c = 0; c < 3; ++c)
+    images.colour[4 * pixel + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
+  images.colour[4 * pixel + 3] = 1;
+  images.depth[pixel] = static_cast<float>(depth_mm);
+}
+
+}  // namespace
+
 void GlDrawing::composePixel(int x, int y, const std::vector<float>& seen, const std::vector<float>& winners,
                              Images& images) const {
   const std::size_t p = at(x, y);
-  const double weight = static_cast<double>(seen[4 * p + 3]);
   native::ShellPixel pixel;
-  pixel.hit = weight > 0;
+  pixel.hit = seen[4 * p + 3] > 0;
+  if (!pixel.hit && tools_.empty() && !hits_) return put(images, p, empty_, kInfinity);
   pixel.value = static_cast<double>(seen[4 * p]);
   pixel.t_mm = depthOf(p, seen, winners) * perDepth(x, y);
   // Lit: which shell it is, from 1; caps have 0 and their own light.
@@ -90,11 +101,7 @@ void GlDrawing::composePixel(int x, int y, const std::vector<float>& seen, const
     pixel.value = native::litShare(job_, static_cast<std::size_t>(shell) - 1, x + 0.5, y + 0.5, pixel.t_mm,
                                    pixel.value);
   const native::ToolsOnRay tools = toolsOn(p);
-  const glm::dvec3 colour = native::shellColour(job_, pixel, tools);
-  for (int c = 0; c < 3; ++c)
-    images.colour[4 * p + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
-  images.colour[4 * p + 3] = 1;
-  images.depth[p] = static_cast<float>(native::shownAt_mm(job_, pixel, tools));
+  put(images, p, native::shellColour(job_, pixel, tools), native::shownAt_mm(job_, pixel, tools));
 }
 
 Result<void> GlDrawing::compose(Images& images) {

@@ -47,7 +47,8 @@ class GlDrawing {
         width_(job.camera.width_px),
         height_(job.camera.height_px),
         perspective_(job.camera.projection == Projection::Perspective),
-        cut_(native::isCut(job)) {}
+        cut_(native::isCut(job)),
+        empty_(native::shellColour(job, {}, {})) {}
 
   Result<void> run(Images& images) {
     if (Result<void> r = prepare(); !r) return r;
@@ -110,6 +111,7 @@ class GlDrawing {
   const glm::dvec3 middle_;
   const int width_, height_;
   const bool perspective_, cut_;
+  const glm::dvec3 empty_;                                      // of a ray that meets nothing
   std::vector<std::shared_ptr<const gpu::VertexData>> shells_;  // nullptr: empty
   std::vector<Tool> tools_;
   std::optional<gpu::Target> target_, winners_;

@@ -19,6 +19,19 @@ bool RayImages::any() const {
   return std::any_of(stepsInRow.begin(), stepsInRow.end(), [](std::uint64_t n) { return n > 0; });
 }
 
+std::uint64_t RayImages::samples(bool cutSteps) const {
+  double sum = 0;
+  for (std::size_t p = 0; p < lattice.size(); p += 4) {
+    const double steps = static_cast<double>(lattice[p + 2]);
+    if (steps == 0) continue;
+    sum += steps;
+    if (cutSteps) continue;
+    const double first = static_cast<double>(lattice[p]), length = static_cast<double>(length_steps[p / 4]);
+    sum -= (first < 0 ? 1 : 0) + (steps > 1 && first + steps - 1 > length ? 1 : 0);
+  }
+  return static_cast<std::uint64_t>(sum);
+}
+
 Result<RayParts> RayParts::make(const GlVolumeJob& job, bool planar, std::stop_token stop) {
   RayParts parts(job, planar);
   const auto width = static_cast<std::size_t>(job.camera.width_px),
@@ -67,7 +80,8 @@ RayImages RayParts::images(std::size_t n, const std::vector<float>& through) con
              height = static_cast<std::size_t>(job_->camera.height_px);
   RayImages out;
   out.start.assign(4 * width * height, 0.0f), out.lattice.assign(4 * width * height, 0.0f);
-  out.entry_mm.assign(width * height, 0.0), out.stepsInRow.assign(height, 0);
+  out.entry_mm.assign(width * height, 0.0), out.length_steps.assign(width * height, 0.0f),
+      out.stepsInRow.assign(height, 0);
   const VoxelFromPatient& toVoxel = job_->volume->voxelFromPatient();
   parallelFor(height, kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t y = begin; y < end; ++y)
@@ -88,6 +102,7 @@ RayImages RayParts::images(std::size_t n, const std::vector<float>& through) con
         lattice[0] = static_cast<float>(first + 0.5 - part.entry_mm / d);
         lattice[1] = static_cast<float>(first), lattice[2] = static_cast<float>(steps), lattice[3] = left;
         out.entry_mm[p] = part.entry_mm;
+        out.length_steps[p] = static_cast<float>((part.exit_mm - part.entry_mm) / d);
         out.stepsInRow[y] += static_cast<std::uint64_t>(steps);
       }
   });

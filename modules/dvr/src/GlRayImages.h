@@ -15,12 +15,15 @@ namespace vernier::dvr {
 
 // One part of every ray. Pixels that have none: 0 steps.
 struct RayImages {
-  std::vector<float> start;      // voxel position where the part begins, its length in mm
-  std::vector<float> lattice;    // first sample in steps from there (-1/2 .. 1/2), its number on the lattice,
-                                 // steps, what earlier parts let through
-  std::vector<double> entry_mm;  // along the ray, where the part begins
+  std::vector<float> start;    // voxel position where the part begins, its length in mm
+  std::vector<float> lattice;  // first sample in steps from there (-1/2 .. 1/2), its number on the lattice,
+                               // steps, what earlier parts let through
+  std::vector<float> length_steps;        // of the part
+  std::vector<double> entry_mm;           // along the ray, where the part begins
   std::vector<std::uint64_t> stepsInRow;  // sums, for bounded batches
   bool any() const;
+  // Of the lattice, on all rays; `cutSteps`: those too whose sample lies beyond an end of its ray.
+  std::uint64_t samples(bool cutSteps) const;
 };
 
 class RayParts {

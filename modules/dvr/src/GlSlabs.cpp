@@ -4,6 +4,7 @@
 // the texture slices (Rezk-Salama 2000, section 9): slow, for comparisons.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "DvrTechniques.h"
 #include "GlGradients.h"
@@ -14,7 +15,7 @@ namespace vernier::dvr {
 namespace {
 
 // Built-in costs on llvmpipe with two cores; the table of this machine wins.
-constexpr double kRead_ns = 90.0, kFixedRead_ns = 45.0, kFragment_ns = 60.0, kPolygon_ms = 0.05,
+constexpr double kRead_ns = 90.0, kFixedRead_ns = 45.0, kFragment_ns = 130.0, kPolygon_ms = 0.18,
                  kSetUp_ms = 12.0;
 
 struct SlabKind {
@@ -53,13 +54,12 @@ class SlabPainter {
       Result<RayTextures> textures = RayTextures::make(device_, job_, rays);
       if (!textures) return textures.error();
       if (Result<void> r = targets->clear(); !r) return r;
-      for (const Slab& slab : slabs_)
-        if (Result<void> r = drawSlab(slab, *targets, *textures); !r) return r;
+      if (Result<void> r = drawPart(*targets, *textures); !r) return r;
       Result<DrawnPart> drawn = targets->read();
       if (!drawn) return drawn.error();
       picture.take(n, rays, *drawn);
+      picture.addSamples(rays.samples(!job_.iso && !job_.extreme()) * (readsBothEnds() ? 2 : 1));
     }
-    picture.addSamples(targets->fragments());
     picture.finish(images);
     if (job_.outlines) drawOutlines(images);
     return {};
@@ -126,25 +126,53 @@ class SlabPainter {
     return out;
   }
 
-  // The textures of the slab; those of the slab before are let go first, so that one at a time is held.
-  Result<void> hold(const Slab& slab) {
-    held_.clear();
-    const auto take = [&](Result<std::shared_ptr<const gpu::Texture>> t) -> Result<void> {
-      if (!t) return t.error();
-      held_.push_back(*t);
-      return {};
-    };
-    const Volume& v = *job_.volume;
-    if (!kind_.strips)
-      return take(job_.shaded() ? gradientVolume(device_, v, job_.code, slab.first, slab.count,
-                                                 GradientLength::PerMm, stop_)
-                                : gpu::slabTexture(device_, v, job_.code, slab.first, slab.count, stop_));
-    for (const std::int64_t k : {slab.first, slab.first + 1})
-      if (Result<void> r =
-              take(job_.shaded() ? gradientPlane(device_, v, job_.code, 2, k, GradientLength::PerMm)
-                                 : gpu::planeTexture(device_, v, job_.code, 2, k));
-          !r)
-        return r;
+  bool readsBothEnds() const {
+    return job_.classification == Classification::PreIntegrated && !job_.iso && !job_.extreme();
+  }
+
+  Result<void> drawPart(SliceTargets& targets, const RayTextures& rays) {
+    if (kind_.strips) return drawStrips(targets, rays);
+    for (const Slab& slab : slabs_)
+      if (Result<void> r = drawSlab(slab, targets, rays); !r) return r;
+    return {};
+  }
+
+  using Planes = std::map<std::int64_t, std::shared_ptr<const gpu::Texture>>;
+  Result<const gpu::Texture*> plane(std::int64_t k, Planes& held) {
+    if (const auto found = held.find(k); found != held.end()) return found->second.get();
+    auto t = job_.shaded() ? gradientPlane(device_, *job_.volume, job_.code, 2, k, GradientLength::PerMm)
+                           : gpu::planeTexture(device_, *job_.volume, job_.code, 2, k);
+    if (!t) return t.error();
+    return (held[k] = *t).get();
+  }
+
+  // Slice by slice, each with all its strips; the texture slices lie in the cache.
+  Result<void> drawStrips(SliceTargets& targets, const RayTextures& rays) {
+    std::vector<float> floats;
+    std::map<double, std::vector<std::pair<const Slab*, Piece>>> planes;
+    for (const Slab& slab : slabs_)
+      for (const Piece& piece : piecesOf(slab, floats)) planes[piece.plane].emplace_back(&slab, piece);
+    if (floats.empty()) return {};
+    const std::array layout{2};
+    Result<gpu::VertexData> vertices = device_.vertices(floats, layout);
+    if (!vertices) return vertices.error();
+    for (auto begin = planes.begin(); begin != planes.end();) {
+      auto end = begin;
+      for (std::size_t n = 0; n < kBatchSlices && end != planes.end(); ++n) ++end;
+      Planes held;
+      std::vector<gpu::Draw> draws;
+      for (auto at = end; at != begin;)  // back to front within the batch
+        for (const auto& [slab, piece] : (--at)->second) {
+          Result<const gpu::Texture*> lower = plane(slab->first, held), upper = plane(slab->first + 1, held);
+          if (!lower) return lower.error();
+          if (!upper) return upper.error();
+          draws.push_back(drawOf(*slab, piece, *vertices, targets, rays));
+          draws.back().textures.push_back({"lower0", *lower, filter()});
+          draws.back().textures.push_back({"upper0", *upper, filter()});
+        }
+      if (Result<void> r = targets.batch(draws, rays, stop_); !r) return r;
+      begin = end;
+    }
     return {};
   }
 
@@ -156,16 +184,25 @@ class SlabPainter {
     Result<gpu::VertexData> vertices = device_.vertices(floats, layout);
     if (!vertices) return vertices.error();
     if (stop_.stop_requested()) return drawingCancelled();
-    if (Result<void> r = hold(slab); !r) return r;
+    // One slab at a time: the one before has been let go.
+    const Volume& v = *job_.volume;
+    auto texture = job_.shaded() ? gradientVolume(device_, v, job_.code, slab.first, slab.count,
+                                                  GradientLength::PerMm, stop_)
+                                 : gpu::slabTexture(device_, v, job_.code, slab.first, slab.count, stop_);
+    if (!texture) return texture.error();
     for (std::size_t begin = 0; begin < pieces.size(); begin += kBatchSlices) {
       const std::size_t end = std::min(begin + kBatchSlices, pieces.size());
       std::vector<gpu::Draw> draws;
-      for (std::size_t n = end; n-- > begin;)  // back to front within the batch
+      for (std::size_t n = end; n-- > begin;) {  // back to front within the batch
         draws.push_back(drawOf(slab, pieces[n], *vertices, targets, rays));
+        draws.back().textures.push_back({"volume", texture->get(), filter()});
+      }
       if (Result<void> r = targets.batch(draws, rays, stop_); !r) return r;
     }
     return {};
   }
+
+  gpu::Filter filter() const { return job_.fixedFunction ? gpu::Filter::Linear : gpu::Filter::Nearest; }
 
   gpu::Draw drawOf(const Slab& slab, const Piece& piece, const gpu::VertexData& vertices,
                    const SliceTargets& targets, const RayTextures& rays) const {
@@ -175,13 +212,6 @@ class SlabPainter {
     d.state = targets.state();
     inputs_->addTo(d);
     rays.addTo(d);
-    const gpu::Filter filter = job_.fixedFunction ? gpu::Filter::Linear : gpu::Filter::Nearest;
-    if (kind_.strips) {
-      d.textures.push_back({"lower0", held_[0].get(), filter});
-      d.textures.push_back({"upper0", held_[1].get(), filter});
-    } else {
-      d.textures.push_back({"volume", held_[0].get(), filter});
-    }
     d.uniforms.push_back({"slabRange", glm::vec2(slab.from, slab.below)});
     const double rank = (piece.plane - firstPlane_ + 0.5) / (lastPlane_ - firstPlane_ + 1);
     for (const auto& [name, value] :
@@ -217,7 +247,6 @@ class SlabPainter {
   double firstPlane_ = 0, lastPlane_ = 0;  // over all slabs, for the depth of iso-surfaces
   std::optional<GlInputs> inputs_;
   std::shared_ptr<const gpu::Program> program_;
-  std::vector<std::shared_ptr<const gpu::Texture>> held_;
 };
 
 Error cannot(std::string why) { return makeError(ErrorCode::NoTechnique, std::move(why)); }
@@ -274,9 +303,9 @@ Result<std::vector<Pass>> passesFor(const SlabKind& kind, const Layer& layer, st
   job.fixedFunction = job.fixedFunction && !job.shaded();
   const GridGeometry& g = job.volume->grid();
   const std::int64_t slabs = (g.slices - 2) / (job.slabSlices - 1) + 1;
-  job.summary =
-      std::to_string(slabs) +
-      (kind.strips ? " strips of 2 slices" : " slabs of " + std::to_string(job.slabSlices) + " slices");
+  job.summary = std::to_string(slabs) + (kind.strips ? " strips of 2 slices"
+                                                     : (slabs == 1 ? " slab of " : " slabs of ") +
+                                                           std::to_string(job.slabSlices) + " slices");
   Pass pass;
   pass.name = (job.iso ? "iso-surface " : "volume ") + std::to_string(index);
   pass.inputs = {job.shaded() ? "gradient textures" : kind.strips ? "slice textures" : "slab textures"};
@@ -298,10 +327,12 @@ Result<std::vector<Pass>> passesFor(const SlabKind& kind, const Layer& layer, st
   const double read = known != context.costs.nsPerSample.end() ? known->second
                       : job.fixedFunction                      ? kFixedRead_ns
                                                                : kRead_ns;
-  const double planes = cameraBox(g).diagonal_mm / job.step_mm;
-  pass.predicted_ms = kSetUp_ms +
-                      kPolygon_ms * (planes + static_cast<double>(slabs) * (kind.strips ? 20 : 4)) +
-                      1e-6 * (read + kFragment_ns) * raysLength_mm(job) / job.step_mm;
+  // Polygons: each slab's slices, by the depth of one of them.
+  const glm::dvec2 depths = depthsOf(glm::dvec3(0), glm::dvec3(g.columns - 1, g.rows - 1, job.slabSlices - 1),
+                                     job.camera, g.patientFromVoxel);
+  const double pieces = static_cast<double>(slabs) * ((depths.y - depths.x) / job.step_mm + 2);
+  pass.predicted_ms =
+      kSetUp_ms + kPolygon_ms * pieces + 1e-6 * (read + kFragment_ns) * raysLength_mm(job) / job.step_mm;
   pass.predictedError = 1.2 * predictedError(job, context.quality.step);
   pass.fixedFunctionFiltering = job.fixedFunction;
   pass.params = *made;

@@ -60,9 +60,7 @@ Result<void> SliceTargets::batch(std::span<const gpu::Draw> draws, const RayText
     if (Result<void> r = device_->clear(*batch_, 1, job_->extreme() ? kNoExtreme : kNothingSeen); !r)
       return r;
   }
-  const std::uint64_t before = device_->counters().samples;
   if (Result<void> r = device_->draw(*batch_, draws); !r) return r;
-  fragments_ += device_->counters().samples - before;
   if (Result<void> r = device_->limits().software ? device_->finish() : Result<void>(); !r) return r;
   return job_->iso ? Result<void>() : merge(rays);
 }

@@ -26,8 +26,6 @@ class SliceTargets {
   gpu::DrawState state() const;
   Result<void> batch(std::span<const gpu::Draw>, const RayTextures&, std::stop_token);
   Result<DrawnPart> read();
-  // Fragments that were drawn since make().
-  std::uint64_t fragments() const { return fragments_; }
 
  private:
   SliceTargets(gpu::Device& device, const GlVolumeJob& job) : device_(&device), job_(&job) {}
@@ -37,7 +35,6 @@ class SliceTargets {
   std::optional<gpu::Target> batch_, front_, next_;  // iso: batch_ alone
   std::optional<gpu::VertexData> picture_;
   std::shared_ptr<const gpu::Program> merge_;
-  std::uint64_t fragments_ = 0;
 };
 
 }  // namespace vernier::dvr

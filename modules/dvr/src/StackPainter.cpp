@@ -64,14 +64,36 @@ class StackPainter {
       Result<DrawnPart> drawn = targets->read();
       if (!drawn) return drawn.error();
       picture.take(n, rays, *drawn);
+      picture.addSamples(slicesMet(rays));
     }
-    picture.addSamples(targets->fragments() * kind_.perPolygon);
     picture.finish(images);
     if (job_.outlines) drawOutlines(images);
     return {};
   }
 
  private:
+  // By all rays: slices whose slab they pass through, of surfaces and extremes those that they meet.
+  std::uint64_t slicesMet(const RayImages& rays) const {
+    const bool slabs = !job_.iso && !job_.extreme();
+    const double last = static_cast<double>(slices_.size() - 1);
+    double sum = 0;
+    for (std::size_t p = 0; p < rays.entry_mm.size(); ++p) {
+      if (rays.lattice[4 * p + 2] == 0) continue;
+      const auto width = static_cast<std::size_t>(job_.camera.width_px);
+      const PatientRay ray =
+          job_.camera.ray(static_cast<double>(p % width) + 0.5, static_cast<double>(p / width) + 0.5);
+      const double along = (job_.volume->voxelFromPatient() * ray.direction).v[axis_] *
+                           static_cast<double>(rays.start[4 * p + 3]);
+      const double a = perVoxel_ * static_cast<double>(rays.start[4 * p + static_cast<std::size_t>(axis_)]),
+                   b = a + perVoxel_ * along;
+      const double low = std::min(a, b), high = std::max(a, b);
+      const double first = slabs ? std::floor(low + 0.5) : std::ceil(low),
+                   end = slabs ? std::ceil(high - 0.5) : std::floor(high);
+      sum += std::max(0.0, std::min(end, last) - std::max(first, 0.0) + 1);
+    }
+    return static_cast<std::uint64_t>(sum);
+  }
+
   // The opacity table is of the way through a slab along the view.
   double table_mm() const {
     return 1.0 / (perVoxel_ * std::abs((job_.volume->voxelFromPatient() * job_.camera.forward).v[axis_]));

@@ -45,7 +45,8 @@ class Drawing {
         translucent_(tools_ && !tools_->layers.empty()),
         bounded_(cut_ || tools_ != nullptr),
         base_(job.beta0 + job.betaM * job.b),
-        slope_(job.betaM * job.a) {}
+        slope_(job.betaM * job.a),
+        empty_(shellColour(job, {}, {})) {}
 
   void tile(int number, Gathered& g) const {
     begin(number, g);
@@ -140,6 +141,7 @@ class Drawing {
   Images& images_;
   const bool cut_, translucent_, bounded_;
   const double base_, slope_;
+  const glm::dvec3 empty_;  // of a ray that meets nothing
 };
 
 // A shell is done when the next one begins: its nearest crossing is its brightest point on the ray.
@@ -241,7 +243,7 @@ void Drawing::compose(int number, const Gathered& g) const {
       const std::size_t i = at(r, x, y), p = pixel(x, y);
       const ToolsOnRay tools = toolsOf(x, y);
       const ShellPixel shown = pixelOf(g, i, x, y);
-      const glm::dvec3 colour = shellColour(job_, shown, tools);
+      const glm::dvec3 colour = shown.hit || tools_ ? shellColour(job_, shown, tools) : empty_;
       for (int c = 0; c < 3; ++c)
         images_.colour[4 * p + static_cast<std::size_t>(c)] = static_cast<float>(colour[c]);
       images_.colour[4 * p + 3] = 1;

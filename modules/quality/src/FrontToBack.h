@@ -26,10 +26,10 @@ struct Emission {
 
 class FrontToBack {
  public:
-  static constexpr double kAgree = 1e-7;   // what 4 and 8 places may differ by, of what is displayed
+  static constexpr double kAgree = 1e-7;        // what 4 and 8 places may differ by, of what is displayed
   static constexpr double kAgreeAtOnce = 1e-9;  // 2 and 4 places
-  static constexpr double kEnough = 1e-7;  // of light that is left: nothing behind is seen
-  static constexpr int kDeepest = 30;      // halves
+  static constexpr double kEnough = 1e-7;       // of light that is left: nothing behind is seen
+  static constexpr int kDeepest = 30;           // halves
 
   glm::dvec3 colour{0};
   double left = 1;
@@ -60,8 +60,8 @@ class FrontToBack {
   // How far two attempts differ, and the better one from what a colour of 1 would come to.
   static double apart(const Stretch& coarse, const Stretch& fine) {
     const glm::dvec3 off = glm::abs(fine.colour - coarse.colour);
-    return std::max({off.x, off.y, off.z, std::abs(fine.left - coarse.left),
-                     std::abs(fine.emitted - (1 - fine.left))});
+    return std::max(
+        {off.x, off.y, off.z, std::abs(fine.left - coarse.left), std::abs(fine.emitted - (1 - fine.left))});
   }
   // A colour that does not change comes out exactly.
   template <class Fn>

@@ -122,6 +122,29 @@ TEST_F(GlVolumePlan, StacksRefuseWhatTheyCannotDraw) {
   EXPECT_THAT(refused("dvr.stacks"), HasSubstr("translucent"));
 }
 
+TEST_F(GlVolumePlan, SlabsSayHowManyAndWhatTheBudgetHolds) {
+  const auto whole = ask("dvr.slabs");
+  ASSERT_TRUE(whole.ok()) << whole.error().text();
+  EXPECT_THAT(whole->front().params->dump(), HasSubstr("; 1 slab of 22 slices"));
+  machine.glTextureBudget_bytes = 8 * 30 * 28 * 2;
+  const auto three = ask("dvr.slabs");
+  EXPECT_THAT(three->front().params->dump(), HasSubstr("; 3 slabs of 8 slices"));
+  EXPECT_EQ(three->front().resources.at(0).name, "texture3d, one of 3");
+  EXPECT_EQ(three->front().resources.at(0).bytes, machine.glTextureBudget_bytes);
+  EXPECT_THAT(refused("dvr.rays"), HasSubstr("slabs take it in parts"));
+  EXPECT_THAT(ask("dvr.strips")->front().params->dump(), HasSubstr("; 21 strips"));
+  // Strips are never the planner's choice.
+  EXPECT_GT(ask("dvr.strips")->front().predicted_ms, 2 * three->front().predicted_ms);
+  machine.glTextureBudget_bytes = 3000;
+  EXPECT_THAT(refused("dvr.slabs"),
+              HasSubstr("Two slices of the volume need 3 KB as textures and GL may hold 2 KB"));
+  machine.glTextureBudget_bytes = 1 << 30;
+  show(flat(unitGrid(300, 2, 2)));
+  EXPECT_THAT(refused("dvr.slabs"), HasSubstr("300 voxels on a side; 3-D textures here take up to 256"));
+  show(flat(unitGrid(20, 20, 400)));
+  EXPECT_THAT(ask("dvr.slabs")->front().params->dump(), HasSubstr("; 2 slabs of 256 slices"));
+}
+
 TEST_F(GlVolumePlan, WhatHasNoInsideOrNoMeaningIsRefused) {
   show(flat(unitGrid(5, 5, 1)));
   EXPECT_THAT(refused("dvr.rays"), HasSubstr("single slice"));

@@ -210,6 +210,14 @@ TEST(GlStacks, OnlyTheStackThatTheViewNeedsAndGradientsOnlyWhereItShades) {
   EXPECT_EQ(again->colour, first->colour);
   EXPECT_EQ(first->counters.texturesCreated - again->counters.texturesCreated, 22u);
   EXPECT_EQ(first->counters.bytesUploaded - again->counters.bytesUploaded, 30u * 28 * 22 * 2);
+  const DvrTruth truth(c);
+  std::uint64_t met = 0;
+  for (int y = 0; y < c.view.height_px; ++y)
+    for (int x = 0; x < c.view.width_px; ++x)
+      if (const RaySpan s = truth.span(x + 0.5, y + 0.5); !s.empty())
+        met += truth.stackSamples(x + 0.5, y + 0.5, s, 2, 1).size();
+  EXPECT_EQ(first->counters.samples, met);
+  EXPECT_EQ(c.draw("dvr.stacks2")->counters.samples, met);
   // More slices need no more textures; several on a polygon draw fewer triangles.
   c.quality.step = 0.25;
   const Result<Images> more = c.draw("dvr.stacks");

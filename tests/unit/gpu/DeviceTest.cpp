@@ -162,6 +162,10 @@ TEST_F(DrawTest, ScissorMaskBlendAndCullActAsStated) {
   EXPECT_EQ((*out)[2], 2.0f);
   out = drawn(*device, [](Draw& d) { d.state.blend = Blend::Over; });
   EXPECT_EQ((*out)[2], 2.0f + 9.0f * 0.5f);
+  // Alpha 0.5 is what is left of colour and of alpha (9) behind.
+  out = drawn(*device, [](Draw& d) { d.state.blend = Blend::Remaining; });
+  EXPECT_EQ((*out)[2], 2.0f + 9.0f * 0.5f);
+  EXPECT_EQ((*out)[3], 9.0f * 0.5f);
   // The quad runs top left, top right, bottom left: clockwise as one sees it, so it is a back face.
   out = drawn(*device, [](Draw& d) { d.state.cull = Cull::Back; });
   EXPECT_EQ((*out)[2], 9.0f);

@@ -33,6 +33,7 @@ TEST(Texture, EveryFormatComesBackBitByBit) {
   std::vector<std::uint8_t> r8(256);
   std::iota(r8.begin(), r8.end(), std::uint8_t{0});
   roundTrip(*device, Format::R8, 16, 16, r8);
+  roundTrip(*device, Format::Rgba8, 8, 8, r8);
   std::vector<std::uint16_t> r16(65536);
   std::iota(r16.begin(), r16.end(), std::uint16_t{0});
   roundTrip(*device, Format::R16, 256, 256, r16);
