@@ -121,7 +121,8 @@ TEST(VolumeStability, F2_SecondOrderInTheStep) {
       const auto volume = fast ? gaussian<std::int16_t>() : gaussian<std::int32_t>();
       Camera camera = test::turnedCamera(p);
       camera.zoom = 1.7;
-      // Cut through the middle: a sum of even steps over what vanishes at both ends would be better than that.
+      // Cut through the middle: a sum of even steps over what vanishes at both ends would be better than
+      // that.
       Scene scene;
       scene.clip = {HalfSpace{normalize(PatientVec(-0.3, -1, 0.4)), 0}};
       scene.clip[0].offset_mm = glm::dot(scene.clip[0].normal.v, volume->grid().centre().p);

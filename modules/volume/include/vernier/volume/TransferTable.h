@@ -22,9 +22,9 @@ inline constexpr int kPreIntegratedEntries = 512, kMostPreIntegratedEntries = 20
 // Where a table over the value of a sample needs its entries: within `values`, from a little before the first
 // knot to a little behind the last, so that what holds beyond is an entry. least < greatest always.
 VERNIER_API Volume::Range transferTableRange(const TransferFunction&, const Volume::Range& values);
-// The same of a pre-integrated table: as far beyond the knots as a step's ends may well lie, since an end that
-// is moved to the range lengthens what the step has of the function. As far as the knots are apart, at least
-// a quarter of all values.
+// The same of a pre-integrated table: as far beyond the knots as a step's ends may well lie, since an end
+// that is moved to the range lengthens what the step has of the function. As far as the knots are apart, at
+// least a quarter of all values.
 VERNIER_API Volume::Range preIntegratedRange(const TransferFunction&, const Volume::Range& values);
 
 struct TransferTable {
