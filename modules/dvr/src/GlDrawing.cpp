@@ -136,8 +136,9 @@ Result<GlInputs> GlInputs::make(gpu::Device& device, const GlVolumeJob& job, dou
   in.table_ = std::make_shared<gpu::Texture>(*std::move(made));
   in.uniforms_.push_back({"entryOfValue", entryOf(job.code, table->least, table->greatest, table->size)});
   if (job.classification != Classification::PreIntegrated) return in;
+  const Volume::Range values = job.volume->modalityRange().value_or(Volume::Range{0, 1});
   Result<PreIntegratedTable> pairs =
-      makePreIntegratedTable(job.transfer, {table->least, table->greatest}, table_mm);
+      makePreIntegratedTable(job.transfer, preIntegratedRange(job.transfer, values), table_mm);
   if (!pairs) return pairs.error();
   made =
       device.texture2d(gpu::Format::Rgba32F, pairs->size, pairs->size, std::as_bytes(std::span(pairs->rgba)));
