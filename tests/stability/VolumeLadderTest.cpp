@@ -76,13 +76,13 @@ class VolumeLadder : public ::testing::TestWithParam<Case> {
     const Result<Scene> scene = presetScene(view, "", *volume_, o);
     if (!scene) return scene.error();
     View size;
-    size.width_px = size.height_px = 64;
+    size.width_px = size.height_px = 48;
     Quality quality;
     quality.level = level;
     quality.engine = EngineChoice::Native;
     RenderOptions options;
     options.timeLimit_ms = 120'000;
-    options.error.samples = 512;
+    options.error.samples = 1024;
     return session_->render(*scene, size, quality, options);
   }
 

@@ -38,6 +38,10 @@ TEST(Desk, NeverShowsAPictureOfAnotherSeries) {
   std::size_t shown = 0;
   for (std::size_t round = 0; round < 60; ++round) {
     desk.openSource({d.number, d.session->sourceName({round % series, 0})}, 0);
+    // Some rounds wait for their picture, however slow the machine is.
+    if (round % 7 == 6) {
+      EXPECT_TRUE(waitUntil(desk, [&] { return desk.tileView(0).picture != nullptr; }));
+    }
     for (int k = 0; k < static_cast<int>(round % 7); ++k) {
       desk.update();
       if (const auto& p = desk.tileView(0).picture) {
@@ -49,7 +53,7 @@ TEST(Desk, NeverShowsAPictureOfAnotherSeries) {
   }
   ASSERT_TRUE(waitUntil(desk, [&] { return desk.idle(); }));
   EXPECT_EQ(sourceOf(desk.tileView(0).picture->scene), desk.workspace().tile(0).source.name);
-  EXPECT_GT(shown, 10u);
+  EXPECT_GE(shown, 8u);
 }
 
 // A state is listed with its own name, and no image of the study is lost by it.
