@@ -40,7 +40,7 @@ TEST(Desk, NeverShowsAPictureOfAnotherSeries) {
     desk.openSource({d.number, d.session->sourceName({round % series, 0})}, 0);
     // Some rounds wait for their picture, however slow the machine is.
     if (round % 7 == 6) {
-      EXPECT_TRUE(waitUntil(desk, [&] { return desk.tileView(0).picture != nullptr; }));
+      EXPECT_TRUE(waitUntil(desk, [&] { return desk.tileView(0).picture.has_value(); }));
     }
     for (int k = 0; k < static_cast<int>(round % 7); ++k) {
       desk.update();
