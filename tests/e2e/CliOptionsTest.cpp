@@ -126,6 +126,16 @@ TEST_F(Cli, OptionsThatNeedAStudyAreCheckedToo) {
       {"--view", "curved", "--path", "0,0,0;5,0,0", "--slice", "3"},
       {"--view", "curved", "--path", "0,0,0;5,0,0", "--plane", "point=0,0,0,normal=0,0,1,up=0,1,0"},
       {"--view", "curved", "--path", "0,0,0;5,0,0", "--form", "bent"},
+      {"--view", "dvr", "--preset", "tooth"},
+      {"--view", "dvr", "--window", "40,400"},
+      {"--view", "dvr", "--iso", "300"},
+      {"--view", "iso", "--light", "0,0,0"},
+      {"--view", "dvr-shaded", "--light", "1,2"},
+      {"--view", "dvr", "--light", "0,0,1"},
+      {"--view", "dvr", "--gains", "1,1,1"},
+      {"--view", "dvr", "--combiner", "none-such"},
+      {"--view", "axial", "--shading", "global-ambient"},
+      {"--view", "dvr", "--step", "2"},
   };
   for (const auto& extra : wrong) {
     std::vector<std::string> args{"render", study, "--out", path("o.png")};
@@ -135,9 +145,9 @@ TEST_F(Cli, OptionsThatNeedAStudyAreCheckedToo) {
     expectSentence(r, 2);
     EXPECT_FALSE(fs::exists(path("o.png")));
   }
-  const ProgramRun later = vernier({"render", study, "--view", "dvr", "--out", path("o.png")});
+  const ProgramRun later = vernier({"render", study, "--view", "lens", "--out", path("o.png")});
   expectSentence(later, 1);
-  EXPECT_NE(later.err.find("dvr"), std::string::npos) << show(later);
+  EXPECT_NE(later.err.find("lens"), std::string::npos) << show(later);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "ChooseClassification.h"
 #include "NativeLook.h"
+#include "SamplingError.h"
 
 namespace vernier::dvr {
 namespace {
@@ -178,10 +179,9 @@ Result<TransferTable> tableOf(const GlVolumeJob& job, double step_mm) {
 }
 
 double predictedError(const GlVolumeJob& job, double step) {
-  const double filter = job.fixedFunction ? 255 * 3.0 / 512 : 0;
-  if (job.opacity == OpacityRule::Linear && !job.iso) return filter + 4;
-  if (job.walksCells) return 0.5;
-  return filter + (job.iso ? 2.0 : job.extreme() ? 12.0 : 2.0) * step;
+  const double own = 0.02 + (job.fixedFunction ? 255 * 3.0 / 512 : 0);
+  if (job.iso) return own + (job.walksCells ? 0.5 : 4 * step);
+  return own + samplingError(job.mode, job.shading, job.opacity, job.walksCells, step);
 }
 
 double readsPerSample(const GlVolumeJob& job) {

@@ -6,6 +6,7 @@
 #include "ChooseClassification.h"
 #include "DvrTechniques.h"
 #include "NativeLook.h"
+#include "SamplingError.h"
 #include "vernier/plan/SceneJson.h"
 
 namespace vernier::dvr {
@@ -132,14 +133,6 @@ double predicted_ms(const VolumeParams& p, const PlanContext& context) {
   return p.look.predicted_ms(kRay_ns, step_ns, context);
 }
 
-// Levels of 255 within which 99 % of the pixels lie, as measured on vessels, engine and head with their
-// presets: it falls with the square of the step. Faces of a lit surface turn within a voxel.
-double predictedError(const VolumeParams& p, double step) {
-  if (p.job.mode != VolumeMode::Blend) return p.job.exact ? 0.5 : 16 * step;
-  if (p.job.opacity == OpacityRule::Linear) return 8;
-  return (p.job.shading != ShadingModel::None ? 22 : 10) * step * step;
-}
-
 Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const PlanContext& context) {
   Result<std::shared_ptr<VolumeParams>> params = paramsOf(layer, index, context);
   if (!params) return params.error();
@@ -147,7 +140,8 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   Pass pass = p.look.pass("volume " + std::to_string(index));
   if (hasBounds(p)) pass.resources = {{"bounds of bricks", native::bytesOfBounds(p.look.volume->grid())}};
   pass.predicted_ms = predicted_ms(p, context);
-  pass.predictedError = predictedError(p, context.quality.step);
+  pass.predictedError =
+      samplingError(p.job.mode, p.job.shading, p.job.opacity, p.job.exact, context.quality.step);
   pass.params = *params;
   return std::vector<Pass>{std::move(pass)};
 }
