@@ -58,10 +58,10 @@ dvr=dvr,dvr-shaded,dvr-shaded:global-ambient,iso,iso:two-lights
   --camera azimuth=30,elevation=20,zoom=1.3
 "$vernier" sheet "$out/vessels" --out "$out/dvr-tool.png" --title "vessels and a screw" --columns 5 --size 384x384 \
   --views "$dvr" --surface "$screw" --camera azimuth=30,elevation=20,zoom=1.4
-"$vernier" phantom rgba-spheres --out "$out" >/dev/null
-"$vernier" sheet "$out/rgba-spheres" --out "$out/dvr-colours.png" --title "red, green, blue and alpha" --columns 3 \
-  --size 384x384 --views dvr --camera azimuth=30,elevation=20
-for real in vol_headsq_ct vol_engine vol_cta_avm; do
+"$vernier" phantom rgba-spheres --format mha --out "$out/rgba" >/dev/null
+"$vernier" sheet "$out/rgba" --out "$out/dvr-colours.png" --title "red, green, blue and alpha" --columns 3 \
+  --size 384x384 --views dvr,dvr:dvr.slabs,dvr:nearest --gains 1,1,1,0.4 --camera azimuth=30,elevation=20
+for real in vol_mr_t1_brain vol_engine vol_cta_avm; do
   [ -d "../shared/data/$real" ] || continue
   "$vernier" sheet "../shared/data/$real" --out "$out/dvr-$real.png" --title "$real" --columns 5 --size 384x384 \
     --views "$dvr" --camera azimuth=30,elevation=20,zoom=1.3
