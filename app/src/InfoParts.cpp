@@ -74,6 +74,26 @@ Json volumeFileJson(const StudySet& set, const VolumeFile& v, const InfoOptions&
 
 }  // namespace
 
+const char* nameOf(FileKind k) {
+  switch (k) {
+    case FileKind::Image:
+      return "image";
+    case FileKind::NonImage:
+      return "non-image";
+    case FileKind::DicomDir:
+      return "DICOMDIR";
+    case FileKind::NoSopClass:
+      return "no SOP class";
+    case FileKind::Unreadable:
+      return "unreadable";
+    case FileKind::NotDicom:
+      return "not DICOM";
+    case FileKind::Volume:
+      return "volume file";
+  }
+  return "";
+}
+
 Json toJson(const glm::dvec3& v) { return Json::array({v.x, v.y, v.z}); }
 Json toJson(const PatientFromVoxel& map) {
   const glm::dmat4 m = map.matrix();

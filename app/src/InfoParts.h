@@ -8,10 +8,14 @@
 namespace vernier {
 using Json = nlohmann::ordered_json;
 
+const char* nameOf(FileKind);
+
 Json toJson(const glm::dvec3&);
 Json toJson(const PatientFromVoxel&);  // rows of a 4x4 matrix
 Json toJson(const std::vector<Finding>&);
 Json toJson(const Error&);
+Json seriesJson(const StudySet&, const Series&);        // with its stacks
+Json objectsJson(const StudySet&, const InfoOptions&);  // a list, in the order of set.instances
 Json volumeFilesJson(const StudySet&, const std::vector<VolumeFile>&, const InfoOptions&);
 
 }  // namespace vernier

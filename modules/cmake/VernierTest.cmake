@@ -22,6 +22,9 @@ function(vernier_test name)
   if(NOT T_TIMEOUT)
     set(T_TIMEOUT 120)
   endif()
+  if(VERNIER_SANITIZE)  # these builds run several times slower
+    math(EXPR T_TIMEOUT "5 * ${T_TIMEOUT}")
+  endif()
   add_executable(${name} ${T_SOURCES})
   target_link_libraries(${name} PRIVATE vernier_flags ${T_LINK} vernier_test_paths GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_options(${name} PRIVATE ${VERNIER_TEST_FLAGS} $<$<CONFIG:Release>:-O1>)
@@ -29,7 +32,14 @@ function(vernier_test name)
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests/support)
   target_compile_definitions(${name} PRIVATE ${T_DEFINITIONS})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS "${T_LABELS}" TIMEOUT ${T_TIMEOUT}
-    FIXTURES_REQUIRED "${T_FIXTURES}"
-    ENVIRONMENT "HOME=${CMAKE_BINARY_DIR}/empty-home;XDG_CONFIG_HOME=${CMAKE_BINARY_DIR}/empty-home;LC_ALL=C.UTF-8")
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60)
+  # gtest_discover_tests takes lists apart (two labels would make the second one a property's name, and so the
+  # environment), so ctest reads the properties from a file of their own, after the list of tests.
+  set(properties ${CMAKE_CURRENT_BINARY_DIR}/${name}_properties.cmake)
+  file(WRITE ${properties} "foreach(test IN LISTS ${name}_TESTS)
+  set_tests_properties(\"\${test}\" PROPERTIES LABELS \"${T_LABELS}\" TIMEOUT ${T_TIMEOUT} FIXTURES_REQUIRED \"${T_FIXTURES}\"
+    ENVIRONMENT \"HOME=${CMAKE_BINARY_DIR}/empty-home;XDG_CONFIG_HOME=${CMAKE_BINARY_DIR}/empty-home;LC_ALL=C.UTF-8\")
+endforeach()
+")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${properties})
 endfunction()
