@@ -8,13 +8,15 @@ set(VERNIER_EDGES_gpu base volume plan)
 set(VERNIER_EDGES_native base volume plan)
 set(VERNIER_EDGES_quality base volume plan)
 set(VERNIER_EDGES_picture base volume plan)
+set(VERNIER_EDGES_measure base volume)
+set(VERNIER_EDGES_lens base volume plan gpu native)
 set(VERNIER_EDGES_angiography base volume plan gpu native)
 set(VERNIER_EDGES_dvr base volume plan gpu native)
 set(VERNIER_EDGES_mpr base volume plan gpu native)
 set(VERNIER_EDGES_surfaces base volume plan gpu native)
 # volume's headers speak of study's plain types (windows, findings), so whoever sees volume sees those types; the
 # headers of study stay closed to them.
-set(VERNIER_CORE_MODULES base study volume plan gpu native quality picture)
+set(VERNIER_CORE_MODULES base study volume plan gpu native quality picture measure)
 
 function(vernier_check_edges name)
   foreach(used IN LISTS ARGN)

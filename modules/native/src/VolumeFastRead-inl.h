@@ -125,7 +125,7 @@ HWY_INLINE V AcrossXAtFace(const std::uint8_t* row, VI offset, VI before, VI ahe
 template <class T>
 HWY_INLINE Gradient GradientAt(const FastSlice& s, const std::int64_t (&whole)[3], FieldPlace at,
                                const FieldSample& here, bool inner) {
-  const D d;
+  [[maybe_unused]] const D d;  // not used by the least instruction set
   const DI di;
   // Bytes to the voxel before the cell's first and behind its second.
   VI back[3], ahead[3];
