@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "LensedPlan.h"
 #include "Numbers.h"
 #include "vernier/base/Guarded.h"
 #include "vernier/plan/Volumetric.h"
@@ -71,6 +72,9 @@ class Planner {
   Planner(const PlanContext& context, const TechniqueRegistry& techniques, Plan& plan)
       : context_(context), techniques_(techniques), plan_(plan), goal_(errorGoal(context.quality)) {}
 
+  // The layer that context.lenses stand before.
+  void setLensed(std::size_t layer) { lensed_ = layer; }
+
   Result<void> add(std::size_t index) {
     const Layer& layer = context_.scene.layers[index];
     const std::string kind = kindOf(layer);
@@ -91,7 +95,11 @@ class Planner {
       plan_.showsWholeScene = false;
       return {};
     }
-    Result<std::vector<Candidate>> candidates = ask(layer, index, drawing);
+    // Drawn with the layer that it looks into.
+    if (std::holds_alternative<LensLayer>(layer)) return {};
+    const bool lensed = index == lensed_ && !context_.lenses.empty();
+    Result<std::vector<Candidate>> candidates =
+        lensed && looksThroughVolume(layer) ? askLensed(index) : ask(layer, index, drawing);
     if (!candidates) return candidates.error();
     choose(std::move(*candidates), index, kind);
     return {};
@@ -119,6 +127,10 @@ class Planner {
         refuse(*t, why);
         continue;
       }
+      if (!context_.lenses.empty() && index == lensed_ && !t->drawsLenses) {
+        refuse(*t, "it draws no lenses");
+        continue;
+      }
       // The planner of a technique lives in a plugin: what it throws becomes its reason.
       Result<std::vector<Pass>> passes =
           guarded(t->name, [&] { return t->passesFor(layer, index, context_); });
@@ -143,6 +155,115 @@ class Planner {
                      "Nothing that may be used here can draw " + layerName(index, kindOf(layer)) + " (" +
                          reasons + "); ask for another engine, technique or quality.",
                      "/layers/" + std::to_string(index));
+  }
+
+  // The picture of the layer with its lenses, once for each engine that can draw all of it.
+  Result<std::vector<Candidate>> askLensed(std::size_t index) {
+    std::vector<Candidate> candidates;
+    std::string reasons;
+    std::optional<Error> sceneFault;
+    for (const Technique* lens : techniques_.drawing("lens")) {
+      Result<Candidate> c = lensedBy(*lens, index);
+      if (c) {
+        candidates.push_back(*std::move(c));
+        continue;
+      }
+      if (!sceneFault && c.error().code == ErrorCode::SceneInvalid) sceneFault = c.error();
+      reject(lens->name, c.error().sentence);
+      reasons += (reasons.empty() ? "" : "; ") + lens->name + ": " + c.error().sentence;
+    }
+    if (!candidates.empty()) return candidates;
+    if (sceneFault) return *sceneFault;
+    return makeError(ErrorCode::NoTechnique,
+                     "Nothing that may be used here can draw " +
+                         layerName(index, kindOf(context_.scene.layers[index])) + " with a lens (" + reasons +
+                         "); ask for another engine, technique or quality.",
+                     "/layers/" + std::to_string(index));
+  }
+
+  // The one pass of an appearance, by the first technique of the lens's engine that draws parts of rays.
+  Result<Pass> appearance(const Layer& layer, std::size_t index, Engine engine, const PlanContext& context) {
+    std::string reasons;
+    for (const Technique* t : techniques_.drawing(kindOf(layer))) {
+      if (t->engine != engine || !t->drawsParts) continue;
+      const bool named = context_.quality.technique.empty() || context_.quality.technique == t->name;
+      const auto kinds = techniques_.find(context_.quality.technique);
+      if (!named && kinds && std::count(kinds->kinds.begin(), kinds->kinds.end(), kindOf(layer)) > 0) {
+        reasons += (reasons.empty() ? "" : "; ") + kinds->name + " was asked for";
+        continue;
+      }
+      Result<std::vector<Pass>> passes =
+          guarded(t->name, [&] { return t->passesFor(layer, index, context); });
+      if (passes && passes->size() == 1) {
+        passes->front().technique = t->name;
+        passes->front().engine = t->engine;
+        return std::move(passes->front());
+      }
+      if (!passes && passes.error().code == ErrorCode::SceneInvalid) return passes.error();
+      reasons += (reasons.empty() ? "" : "; ") + t->name + ": " +
+                 (passes ? "it needs more than one pass" : passes.error().sentence);
+    }
+    return makeError(ErrorCode::NoTechnique, "no technique of this engine draws parts of a " + kindOf(layer) +
+                                                 (reasons.empty() ? "" : " here (" + reasons + ")"));
+  }
+
+  Result<Candidate> lensedBy(const Technique& lens, std::size_t index) {
+    if (std::string why = notAskedFor(lens, nullptr, context_.quality, context_.capabilities); !why.empty())
+      return makeError(ErrorCode::NoTechnique, why);
+    PlanContext context = context_;
+    context.appearances.assign(1 + context.lenses.size(), {});
+    Result<Pass> outside = appearance(context_.scene.layers[index], index, lens.engine, context);
+    if (!outside) return outside.error();
+    context.appearances[0].accumulator = outside->accumulator;
+    std::vector<Pass> inside;
+    PlanContext bare = context;
+    bare.tools.clear();  // the rays are cut at tools; whoever draws their parts sees none
+    for (std::size_t n = 0; n < context.lenses.size(); ++n) {
+      const std::size_t at = context.lenses[n].layer;
+      const std::optional<Layer> inner = innerLayer(std::get<LensLayer>(context_.scene.layers[at]));
+      PlanContext::Appearance& a = context.appearances[n + 1];
+      a.empty = !inner;
+      if (!inner) continue;
+      Result<Pass> pass = appearance(*inner, at, lens.engine, bare);
+      if (!pass) return pass.error();
+      a.accumulator = pass->accumulator;
+      pass->name = "inside of lens " + std::to_string(at) + ": " + pass->name;
+      pass->rays = {RaysOfPass::Which::All, static_cast<std::int16_t>(n + 1)};
+      inside.push_back(*std::move(pass));
+    }
+    const std::size_t first = context.lenses.front().layer;
+    Result<std::vector<Pass>> own =
+        guarded(lens.name, [&] { return lens.passesFor(context_.scene.layers[first], first, context); });
+    if (!own) return own.error();
+    if (own->size() != 2)
+      return makeError(ErrorCode::PluginFailed, lens.name + " cuts and joins in two passes.");
+    for (Pass& pass : *own) pass.technique = lens.name, pass.engine = lens.engine;
+    return lensedCandidate(lens, *std::move(own), *std::move(outside), std::move(inside));
+  }
+
+  static Candidate lensedCandidate(const Technique& lens, std::vector<Pass> own, Pass outside,
+                                   std::vector<Pass> inside) {
+    const bool ordered = outside.accumulator == Accumulator::Ordered;
+    std::vector<Pass> passes{std::move(own[0])};
+    outside.rays = {ordered ? RaysOfPass::Which::First : RaysOfPass::Which::All, 0};
+    Pass rest = outside;
+    passes.push_back(std::move(outside));
+    for (Pass& pass : inside) passes.push_back(std::move(pass));
+    if (ordered) {
+      rest.name += ", behind";
+      rest.rays.which = RaysOfPass::Which::Rest;
+      rest.predicted_ms = 0;  // its rays are cut, not more
+      rest.notes.clear(), rest.resources.clear();
+      passes.push_back(std::move(rest));
+    }
+    passes.push_back(std::move(own[1]));
+    Candidate c{&lens, std::move(passes), 0, 0, false};
+    for (const Pass& pass : c.passes) {
+      c.ms += pass.predicted_ms;
+      c.error = std::max(c.error, pass.predictedError);
+      c.fixedFunction = c.fixedFunction || pass.fixedFunctionFiltering;
+    }
+    return c;
   }
 
   void choose(std::vector<Candidate> candidates, std::size_t index, const std::string& kind) {
@@ -206,6 +327,7 @@ class Planner {
   const TechniqueRegistry& techniques_;
   Plan& plan_;
   double goal_;
+  std::size_t lensed_ = std::numeric_limits<std::size_t>::max();
 };
 
 // A whole-picture layer covers what lies under it: two of them need a way to be combined, which is not built
@@ -218,6 +340,7 @@ Result<void> checkPairs(const Scene& scene, const TechniqueRegistry& techniques)
     if (std::holds_alternative<CustomLayer>(scene.layers[i]) ||
         techniques.drawing(kindOf(scene.layers[i])).empty())
       continue;
+    if (std::holds_alternative<LensLayer>(scene.layers[i])) continue;
     const bool surface = std::holds_alternative<SurfaceLayer>(scene.layers[i]);
     if (surface && (takesSurfaces || (first && std::holds_alternative<SurfaceLayer>(scene.layers[*first]))))
       continue;
@@ -286,7 +409,17 @@ Result<Plan> makePlan(const Scene& scene, const View& view, const Quality& quali
   if (!throughVolume(scene) && (scene.crop || !scene.clip.empty()))
     plan.notes.push_back(
         "crop box and clip planes cut layers that look through a volume; there is none here");
+  Result<std::optional<std::size_t>> lensed = layerBehindLenses(scene);
+  if (!lensed) return lensed.error();
+  const std::vector<const Technique*> lensTechniques = techniques.drawing("lens");
+  if (*lensed && !lensTechniques.empty()) {
+    Result<std::vector<PlacedLens>> lenses =
+        lensesBefore(**lensed, context, *lensTechniques.front(), plan.notes);
+    if (!lenses) return lenses.error();
+    context.lenses = *std::move(lenses);
+  }
   Planner planner(context, techniques, plan);
+  if (*lensed) planner.setLensed(**lensed);
   for (std::size_t i = 0; i < scene.layers.size(); ++i)
     if (Result<void> added = planner.add(i); !added) return added.error();
 

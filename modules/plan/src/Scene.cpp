@@ -14,6 +14,7 @@ std::string kind(const ProjectionLayer&) { return "projection"; }
 std::string kind(const ShellsLayer&) { return "shells"; }
 std::string kind(const VolumeLayer&) { return "volume"; }
 std::string kind(const IsosurfaceLayer&) { return "isosurface"; }
+std::string kind(const LensLayer&) { return "lens"; }
 std::string kind(const CustomLayer& layer) { return layer.kind; }
 
 template <class L>

@@ -14,6 +14,14 @@ std::string write(const VoiWindow& w) {
              nameOf(w.function), "\", \"explanation\": ", text(w.explanation), "}");
 }
 
+std::string write(const PatientFromMesh& pose) {
+  const glm::dmat4 m = pose.matrix();
+  std::string out;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) out += cat(out.empty() ? "[" : ", ", number(m[column][row]));
+  return out + "]";
+}
+
 namespace {
 
 std::string write(const Camera& c) {
@@ -53,12 +61,8 @@ std::string write(const CurvedLayer& l) {
              l.window ? cat(", \"window\": ", write(*l.window)) : "", ", \"invert\": ", flag(l.invert), "}");
 }
 std::string write(const SurfaceLayer& l) {
-  const glm::dmat4 m = l.pose.matrix();
-  std::string pose;
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) pose += cat(pose.empty() ? "" : ", ", number(m[column][row]));
-  return cat("{\"kind\": \"surface\", \"source\": ", text(l.source), ", \"pose\": [", pose,
-             "], \"colour\": ", vec({l.colour.r, l.colour.g, l.colour.b}),
+  return cat("{\"kind\": \"surface\", \"source\": ", text(l.source), ", \"pose\": ", write(l.pose),
+             ", \"colour\": ", vec({l.colour.r, l.colour.g, l.colour.b}),
              ", \"opacity\": ", number(l.opacity), "}");
 }
 std::string write(const CustomLayer& l) { return l.json; }
@@ -127,6 +131,8 @@ Result<Scene> parseScene(std::string_view json) {
         scene.layers.emplace_back(readVolume(layers[i], path));
       else if (kind == "isosurface")
         scene.layers.emplace_back(readIsosurface(layers[i], path));
+      else if (kind == "lens")
+        scene.layers.emplace_back(readLens(layers[i], path));
       else
         scene.layers.emplace_back(readCustom(layers[i], path, texts.at(i)));
     }
@@ -144,8 +150,8 @@ Result<CustomLayer> customLayer(std::string_view json) {
   return parsedScene<CustomLayer>([&] {
     const nlohmann::json value = parseJson(json);
     const std::string kind = kindAt(value, "");
-    static const std::set<std::string> known = {"image",      "slice",  "curved", "surface",
-                                                "projection", "shells", "volume", "isosurface"};
+    static const std::set<std::string> known = {"image",  "slice",  "curved",     "surface", "projection",
+                                                "shells", "volume", "isosurface", "lens"};
     if (known.contains(kind))
       throw JsonFault{"The kind '" + kind + "' is known and cannot be a custom layer.", "/kind"};
     return Result<CustomLayer>(readCustom(value, "", withoutSpace(json)));

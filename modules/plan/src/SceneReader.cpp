@@ -213,8 +213,6 @@ ImageLayer readImage(const nlohmann::json& value, const std::string& path) {
   return l;
 }
 
-namespace {
-
 // Sixteen numbers, row by row, the last row 0 0 0 1.
 PatientFromMesh readPose(const ObjectReader& o, const std::string& key) {
   const std::array<double, 16> m = o.numbers<16>(key);
@@ -229,8 +227,6 @@ PatientFromMesh readPose(const ObjectReader& o, const std::string& key) {
   if (const Result<void> ok = checkPose(pose); !ok) throw JsonFault{ok.error().sentence, o.pathOf(key)};
   return pose;
 }
-
-}  // namespace
 
 SurfaceLayer readSurfaceLayer(const nlohmann::json& value, const std::string& path) {
   const ObjectReader o(value, path);

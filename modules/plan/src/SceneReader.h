@@ -82,6 +82,9 @@ std::vector<HalfSpace> readClip(const nlohmann::json&, const std::string& path);
 VolumeLayer readVolume(const nlohmann::json&, const std::string& path);
 IsosurfaceLayer readIsosurface(const nlohmann::json&, const std::string& path);
 std::vector<Light> readLights(const nlohmann::json&, const std::string& path);
+PatientFromMesh readPose(const ObjectReader&, const std::string& key);
+// SceneLens.cpp
+LensLayer readLens(const nlohmann::json&, const std::string& path);
 
 // Runs a parser and turns what it throws into an Error.
 template <class T, class Fn>

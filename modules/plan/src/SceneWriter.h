@@ -39,5 +39,7 @@ std::string write(const VolumeLayer&);  // this one and those below: SceneRender
 std::string write(const IsosurfaceLayer&);
 std::string write(const TransferFunction&);
 std::string write(const std::vector<Light>&);
+std::string write(const PatientFromMesh&);  // the 4 x 4 matrix, row by row: SceneJson.cpp
+std::string write(const LensLayer&);        // SceneLens.cpp
 
 }  // namespace vernier

@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "vernier/base/Api.h"
+#include "vernier/plan/RayIntervals.h"
 
 namespace vernier {
 
@@ -36,6 +38,7 @@ struct Images {
   std::vector<float> depth;   // mm along the pixel's ray, kNothing_mm where nothing was hit
   std::vector<float>
       values;  // empty, or the modality value before the window, NaN = no data (View::wantValues)
+  std::shared_ptr<RayIntervals> rays;  // while a picture with lenses is drawn, else null
   Counters counters;
 
   void allocate(int w, int h, bool wantValues) {

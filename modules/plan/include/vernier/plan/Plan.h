@@ -39,6 +39,8 @@ struct Pass {
   // The pass interpolates with the card's texture unit, whose weights have 8 bits: never taken at
   // `reference`.
   bool fixedFunctionFiltering = false;
+  RaysOfPass rays;                                 // set by the planner
+  Accumulator accumulator = Accumulator::Ordered;  // of the layer along a ray; set by its technique
   std::vector<std::string> notes;  // what a reader must know of this pass; moved to Plan::notes
   std::shared_ptr<const PassParams> params;
 };

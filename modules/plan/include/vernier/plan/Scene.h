@@ -135,8 +135,8 @@ enum class ShellsMode { Max, Sum, Lit };
 // Even: equal steps of value within the window, neither end included. Histogram: between two levels lie
 // equally many voxels of those inside the window.
 enum class LevelSpread { Even, Histogram };
-// Max before an opaque surface. Replace: a shell point shows instead of it, however dark (the paper). Max: the
-// brighter of both, in each channel, as projections have it.
+// Max before an opaque surface. Replace: a shell point shows instead of it, however dark (the paper). Max:
+// the brighter of both, in each channel, as projections have it.
 enum class SurfaceBlend { Replace, Max };
 inline constexpr int kMostLevels = 1024;
 struct ShellsLayer {
@@ -215,6 +215,59 @@ struct IsosurfaceLayer {
   friend bool operator==(const IsosurfaceLayer&, const IsosurfaceLayer&) = default;
 };
 
+// A convex lens (Ropinski, Steinicke, Hinrichs 2005): inside it the layer that looks through the volume, or
+// the slice, has another appearance. Where lenses overlap the later layer wins. Shapes are mm in the lens's
+// own frame; the pose, affine, brings them into the patient.
+struct BoxShape {
+  MeshPoint centre;
+  glm::dvec3 size_mm{1, 1, 1};
+  friend bool operator==(const BoxShape&, const BoxShape&) = default;
+};
+// A polyhedron with its corners on the sphere: 20 * 4^divisions facets, an icosahedron's divided.
+struct SphereShape {
+  MeshPoint centre;
+  double radius_mm = 1;
+  int divisions = 3;  // 0..5
+  friend bool operator==(const SphereShape&, const SphereShape&) = default;
+};
+// Along a trajectory; a cylinder has two equal radii, one radius may be 0. Prism of `sides` around the
+// circle.
+struct ConeShape {
+  MeshPoint from, to;
+  double fromRadius_mm = 0, toRadius_mm = 1;
+  int sides = 48;  // 3..1000
+  friend bool operator==(const ConeShape&, const ConeShape&) = default;
+};
+struct HullShape {
+  std::vector<MeshPoint> points;  // the convex hull of them
+  friend bool operator==(const HullShape&, const HullShape&) = default;
+};
+struct MeshShape {
+  std::string source;  // names an entry of Sources::meshes
+  bool hull = false;   // a mesh that is not convex: its hull is taken, or it is refused
+  friend bool operator==(const MeshShape&, const MeshShape&) = default;
+};
+using LensShape = std::variant<BoxShape, SphereShape, ConeShape, HullShape, MeshShape>;
+
+// What is inside. CutOut: nothing. SliceLook: of slices; all others: of layers that look through a volume,
+// which must be the same volume.
+struct CutOut {
+  friend bool operator==(const CutOut&, const CutOut&) = default;
+};
+struct SliceLook {
+  Interpolation interpolation = Interpolation::Linear;
+  std::optional<VoiWindow> window;
+  bool invert = false;
+  friend bool operator==(const SliceLook&, const SliceLook&) = default;
+};
+using LensInner = std::variant<CutOut, SliceLook, ProjectionLayer, ShellsLayer, VolumeLayer, IsosurfaceLayer>;
+struct LensLayer {
+  LensShape shape = SphereShape{};
+  PatientFromMesh pose;
+  LensInner inner = CutOut{};
+  friend bool operator==(const LensLayer&, const LensLayer&) = default;
+};
+
 // A layer of a kind that this build does not know itself, or of a plugin: kept verbatim.
 struct CustomLayer {
   std::string kind;
@@ -224,8 +277,9 @@ struct CustomLayer {
 };
 
 using Layer = std::variant<ImageLayer, SliceLayer, CurvedLayer, SurfaceLayer, ProjectionLayer, ShellsLayer,
-                           VolumeLayer, IsosurfaceLayer, CustomLayer>;
-// "image", "slice", "curved", "surface", "projection", "shells", "volume", "isosurface", or the custom kind
+                           VolumeLayer, IsosurfaceLayer, LensLayer, CustomLayer>;
+// "image", "slice", "curved", "surface", "projection", "shells", "volume", "isosurface", "lens", or the
+// custom kind
 VERNIER_API std::string kindOf(const Layer&);
 // Projection, shells, volume and isosurface: rays through the whole of a volume, with surfaces as tools in
 // it.

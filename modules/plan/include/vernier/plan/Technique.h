@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "vernier/base/Cache.h"
+#include "vernier/base/ConvexRegion.h"
 #include "vernier/base/Result.h"
 #include "vernier/plan/Panel.h"
 #include "vernier/plan/Plan.h"
@@ -41,6 +42,12 @@ struct PlacedSurface {
   double opacity = 1;
 };
 
+// A lens in its place, of the `layer`-th layer of the scene.
+struct PlacedLens {
+  std::shared_ptr<const ConvexRegion> region;
+  std::size_t layer = 0;
+};
+
 // Costs measured on this machine, by technique; without an entry a technique uses its built-in figure.
 struct CostTable {
   std::map<std::string, double> nsPerSample;
@@ -56,6 +63,15 @@ struct PlanContext {
   // The tools that stand among a layer that looks through a volume (projection, shells): its technique draws
   // them too. Empty in all other pictures, and where no technique draws surfaces.
   std::vector<PlacedSurface> tools = {};
+  // The lenses that meet what is shown, in the scene's order; appearance n of RayIntervals.h is the n-th from
+  // 1. For techniques that draw slices with lenses, and for those of kind "lens".
+  std::vector<PlacedLens> lenses = {};
+  // For techniques of kind "lens": how the outside and each lens gather, and whether the lens shows anything.
+  struct Appearance {
+    Accumulator accumulator = Accumulator::Ordered;
+    bool empty = false;
+  };
+  std::vector<Appearance> appearances = {};
 };
 
 // What a layer shows at a point of the picture (pixels, centres at half-integers), in double, over what lies
@@ -73,6 +89,14 @@ struct Technique {
   // Draws one pass into `images`, adding to its counters. Runs on the render thread; checks the stop token
   // per tile.
   std::function<Result<void>(const Pass&, Images&, std::stop_token)> execute;
+  // It can draw parts of rays (RayIntervals.h), whole appearances of a picture with lenses: its one pass of
+  // a layer obeys Pass::rays.
+  bool drawsParts = false;
+  // Slices: passesFor looks at PlanContext::lenses and draws them.
+  bool drawsLenses = false;
+  // Of kind "lens" only: the lens's faces in the patient. passesFor then gives two passes, which cut the rays
+  // of the picture and join their parts. SceneInvalid for a shape without volume, with the reason. Pure.
+  std::function<Result<std::shared_ptr<const ConvexRegion>>(const LensLayer&, const Sources&)> region;
   // For layers of a plugin's own kinds, which module quality does not know: the truth that the picture's
   // error is measured against. Absent: a picture with such a layer carries no error, and says so. Pure.
   std::function<Result<PixelTruth>(const Layer&, std::size_t layerIndex, const PlanContext&)> truth;
