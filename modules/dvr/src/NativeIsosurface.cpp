@@ -80,12 +80,16 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop, Der
   const auto* p = dynamic_cast<const IsoParams*>(pass.params.get());
   if (!p) return makeError(ErrorCode::Internal, "The pass has no iso-surface parameters.", pass.technique);
   native::IsosurfaceJob job = p->job;
+  job.rays = pass.rays;
   const auto bricks = bricksOf(*p, cache);
   if (!bricks) return bricks.error();
   job.reaching = bricks->get();
-  const Result<native::SurfaceHits> hits = p->look.findTools(images, stop);
-  if (!hits) return hits.error();
-  if (!p->look.tools.empty()) job.tools = &*hits;
+  Result<native::SurfaceHits> hits = native::SurfaceHits{};
+  if (job.rays.drawsPlainRays() && !p->look.tools.empty()) {
+    hits = p->look.findTools(images, stop);
+    if (!hits) return hits.error();
+    job.tools = &*hits;
+  }
   return native::drawIsosurface(job, images, stop);
 }
 
@@ -96,6 +100,7 @@ Technique nativeIsosurfaceTechnique(Host& host) {
   t.name = "iso.native";
   t.kinds = {"isosurface"};
   t.engine = Engine::Native;
+  t.drawsParts = true;
   t.passesFor = passesFor;
   t.execute = [&host](const Pass& p, Images& i, std::stop_token s) {
     return execute(p, i, s, host.derivedData());

@@ -99,6 +99,8 @@ Result<std::shared_ptr<VolumeParams>> paramsOf(const Layer& any, std::size_t ind
   const std::string where = "/layers/" + std::to_string(index);
   auto p = std::make_shared<VolumeParams>();
   if (Result<void> r = p->look.take(layer->source, where, context); !r) return r.error();
+  if (!context.appearances.empty() && layer->mode != VolumeMode::Blend)
+    return cannot("With lenses a greatest or least value is drawn by a projection; make it one.");
   // Shading modes by name are drawn by the techniques that know combiners.
   if (!layer->combiner.empty())
     return cannot("Native rays know the lights of the scene, and a combiner was asked for.");
@@ -193,6 +195,7 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop, Der
   const auto* p = dynamic_cast<const VolumeParams*>(pass.params.get());
   if (!p) return makeError(ErrorCode::Internal, "The pass has no volume parameters.", pass.technique);
   native::VolumeRenderJob job = p->job;
+  job.rays = pass.rays;
   const auto bounds = p->look.bounds(cache);
   if (!bounds) return bounds.error();
   job.bounds = bounds->get();
@@ -205,9 +208,12 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop, Der
     job.preIntegrated = tables->preIntegrated ? &*tables->preIntegrated : nullptr;
     job.visible = tables->visible.get();
   }
-  const Result<native::SurfaceHits> hits = p->look.findTools(images, stop);
-  if (!hits) return hits.error();
-  if (!p->look.tools.empty()) job.tools = &*hits;
+  Result<native::SurfaceHits> hits = native::SurfaceHits{};
+  if (job.rays.drawsPlainRays() && !p->look.tools.empty()) {
+    hits = p->look.findTools(images, stop);
+    if (!hits) return hits.error();
+    job.tools = &*hits;
+  }
   if (p->look.wantValues && job.mode != VolumeMode::Blend) p->look.allocateValues(images);
   return native::renderVolume(job, images, stop);
 }
@@ -219,6 +225,7 @@ Technique nativeVolumeTechnique(Host& host) {
   t.name = "dvr.native";
   t.kinds = {"volume"};
   t.engine = Engine::Native;
+  t.drawsParts = true;
   t.passesFor = passesFor;
   t.execute = [&host](const Pass& p, Images& i, std::stop_token s) {
     return execute(p, i, s, host.derivedData());

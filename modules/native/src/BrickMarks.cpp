@@ -6,6 +6,7 @@
 
 #include "ProjectionBounds.h"
 #include "vernier/base/Threads.h"
+#include "vernier/base/Trace.h"
 
 namespace vernier::native {
 namespace {
@@ -164,6 +165,18 @@ void BrickMarks::mark(const std::vector<BrickBox>& boxes, const Projector& proje
       for (const std::uint32_t n : ofBand[b])
         put(prints[n], static_cast<int>(b) * kBand, std::min((static_cast<int>(b) + 1) * kBand, down_), out);
   });
+}
+
+std::shared_ptr<const BrickMarks> marksOf(const VisibleBricks& bricks, const GridGeometry& grid,
+                                          const CameraPicture& camera, double step_mm, RayIntervals* rays) {
+  const auto make = [&] {
+    const TraceSpan marking("visible bricks");
+    return std::make_shared<const BrickMarks>(bricks, grid, camera, step_mm);
+  };
+  if (!rays) return make();
+  std::shared_ptr<const void>& kept = rays->shared[{bricks.id, step_mm}];
+  if (!kept) kept = make();
+  return std::static_pointer_cast<const BrickMarks>(kept);
 }
 
 }  // namespace vernier::native

@@ -5,9 +5,11 @@
 #pragma once
 #include <bit>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "VisibleBricks.h"
+#include "vernier/plan/RayIntervals.h"
 
 namespace vernier::native {
 
@@ -50,6 +52,10 @@ class BrickMarks {
   double step_mm_ = 1;
   std::vector<std::uint64_t> seen_, holes_;
 };
+
+// The marks of a picture; of one with lenses made once for all its passes, kept beside the cut rays.
+std::shared_ptr<const BrickMarks> marksOf(const VisibleBricks&, const GridGeometry&, const CameraPicture&,
+                                          double step_mm, RayIntervals*);
 
 // Calls fn(first step, one beyond the last) for each run of marked bins, in order, until it returns false.
 template <class Fn>

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "IsosurfaceRay.h"
+#include "PacketParts.h"
 #include "PacketRays.h"
 #include "vernier/base/Threads.h"
 #include "vernier/base/Trace.h"
@@ -26,7 +27,7 @@ class Painter {
         lighting_(job.material, job.lights),
         patientGradient_(patientGradients(*job.volume)) {
     if (job.reaching && job.volume->grid().even())
-      marks_.emplace(*job.reaching, job.volume->grid(), job.camera, job.step_mm);
+      marks_ = marksOf(*job.reaching, job.volume->grid(), job.camera, job.step_mm, images.rays.get());
   }
 
   void packet(PacketRays& rays, int x0, int y0, ProjectionWork& work) const {
@@ -38,11 +39,18 @@ class Painter {
     }
     const bool empty = marks_ && !marks_->any(x0 / kPacketEdge_px, y0 / kPacketEdge_px);
     if (!empty) rays.set(x0, y0, packet);
+    const RayIntervals* const cut = images_.rays.get();
+    if (cut) {
+      if (!empty && meetsLens(*cut, x0, y0)) segments(packet, x0, y0, marks, work);
+      if (!job_.rays.drawsPlainRays()) return;
+      if (!empty) rays.set(x0, y0, packet);
+    }
     for (int n = 0; n < kPacketRays; ++n) {
       const int x = x0 + n % kPacketEdge_px, y = y0 + n / kPacketEdge_px;
       if (x >= images_.width || y >= images_.height) continue;
       const std::size_t pixel =
           static_cast<std::size_t>(x) + static_cast<std::size_t>(images_.width) * static_cast<std::size_t>(y);
+      if (cut && cut->meetsLens(pixel)) continue;
       double to = empty ? -1 : packet.to_mm[n];
       if (job_.tools && !empty) to = std::min(to, static_cast<double>(job_.tools->end_mm[pixel]));
       IsoHit hit;
@@ -53,6 +61,21 @@ class Painter {
   }
 
  private:
+  // The parts of rays that meet lenses: an iso-surface lets nothing through.
+  void segments(RayPacket& packet, int x0, int y0, const RayMarks& marks, ProjectionWork& work) const {
+    PacketParts parts(*images_.rays, job_.rays, x0, y0);
+    for (int round = 0; parts.next(round, packet, kReferenceLeastLight); ++round)
+      for (int n = 0; n < kPacketRays; ++n) {
+        RaySegment* const s = parts.segment(n);
+        if (!s || !(packet.to_mm[n] > packet.from_mm[n])) continue;
+        const IsoHit hit = iso_.first(packet.ray(n), packet.from_mm[n], packet.to_mm[n], marks, work);
+        if (!hit.found()) continue;
+        RayLight light;
+        light.colour = lit(hit, packet.forward(n)), light.through = 0, light.half_mm = hit.t_mm;
+        PacketParts::put(*s, light, 1);
+      }
+  }
+
   glm::dvec3 lit(const IsoHit& hit, const glm::dvec3& forward) const {
     const glm::dvec3 gradient = hit.atBegin ? -forward : patientGradient_ * hit.gradient;
     return lighting_.lit(colourOf(job_.material.ambientColour), colourOf(job_.material.diffuseColour),
@@ -88,7 +111,7 @@ class Painter {
   Iso iso_;
   Lighting lighting_;
   glm::dmat3 patientGradient_;
-  std::optional<BrickMarks> marks_;
+  std::shared_ptr<const BrickMarks> marks_;
 };
 
 template <class Iso>

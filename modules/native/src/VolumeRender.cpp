@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "PacketParts.h"
 #include "PacketRays.h"
 #include "VolumeColour.h"
 #include "VolumeExtreme.h"
@@ -20,7 +21,7 @@ constexpr int kTile_px = 32;
 struct Painter {
   const VolumeRenderJob& job;
   Images& images;
-  std::optional<BrickMarks> marks;
+  std::shared_ptr<const BrickMarks> marks;
   std::optional<GeneralBlend> general;
   std::optional<ColourBlend> colour;
   std::optional<FastVolume> fast;
@@ -116,21 +117,46 @@ void putBackground(const Painter& p, int x0, int y0) {
     }
 }
 
+// The parts of rays that meet lenses, round by round: in each, one part of every ray that has one.
+void drawSegments(const Painter& p, PacketRays& rays, int x0, int y0, PacketWork& w, ProjectionWork& work) {
+  PacketParts parts(*p.images.rays, p.job.rays, x0, y0);
+  if (parts.none()) return;
+  const int px = x0 / kPacketEdge_px, py = y0 / kPacketEdge_px;
+  if (p.marks && !p.marks->any(px, py)) return;
+  const PacketMarks marks = p.marksOf(px, py);
+  rays.set(x0, y0, w.rays);
+  for (int round = 0; parts.next(round, w.rays, p.job.leastLight); ++round) {
+    for (int n = 0; n < kPacketRays; ++n) {
+      w.light[n] = {};
+      w.light[n].through = parts.before(n);
+    }
+    drawParts(p, w, marks, work);
+    for (int n = 0; n < kPacketRays; ++n)
+      if (RaySegment* s = parts.segment(n)) parts.put(*s, w.light[n], parts.before(n));
+  }
+}
+
 void drawPacket(const Painter& p, PacketRays& rays, int x0, int y0, PacketWork& w, ProjectionWork& work) {
   const SurfaceHits* const tools = p.job.tools;
   const int px = x0 / kPacketEdge_px, py = y0 / kPacketEdge_px;
+  const RayIntervals* const cut = p.images.rays.get();
+  if (cut) {
+    if (meetsLens(*cut, x0, y0)) drawSegments(p, rays, x0, y0, w, work);
+    if (!p.job.rays.drawsPlainRays()) return;
+  }
   if (!tools && p.marks && !p.marks->any(px, py)) return putBackground(p, x0, y0);
   rays.set(x0, y0, w.rays);
   for (int n = 0; n < kPacketRays; ++n) {
     const int x = x0 + n % kPacketEdge_px, y = y0 + n / kPacketEdge_px;
     w.light[n] = {};
     w.inPicture[n] = x < p.images.width && y < p.images.height;
+    w.pixel[n] =
+        static_cast<std::size_t>(x) + static_cast<std::size_t>(p.images.width) * static_cast<std::size_t>(y);
+    if (w.inPicture[n] && cut && cut->meetsLens(w.pixel[n])) w.inPicture[n] = false;
     if (!w.inPicture[n]) {
       w.rays.to_mm[n] = w.rays.from_mm[n] - 1, w.until_mm[n] = w.rays.to_mm[n];
       continue;
     }
-    w.pixel[n] =
-        static_cast<std::size_t>(x) + static_cast<std::size_t>(p.images.width) * static_cast<std::size_t>(y);
     if (!tools) continue;
     w.layer[n] = tools->first[w.pixel[n]];
     w.until_mm[n] = std::min(w.rays.to_mm[n], static_cast<double>(tools->end_mm[w.pixel[n]]));
@@ -172,10 +198,8 @@ Result<void> renderVolume(const VolumeRenderJob& job, Images& images, std::stop_
   images.colour.resize(4 * count), images.depth.resize(count);
   Painter painter{job, images, {}, {}, {}, fastVolumeOf(job)};
   job.volume->isColour() ? (void)painter.colour.emplace(job) : (void)painter.general.emplace(job);
-  if (job.visible && job.volume->grid().even()) {
-    const TraceSpan marking("visible bricks");
-    painter.marks.emplace(*job.visible, job.volume->grid(), job.camera, job.step_mm);
-  }
+  if (job.visible && job.volume->grid().even())
+    painter.marks = marksOf(*job.visible, job.volume->grid(), job.camera, job.step_mm, images.rays.get());
   if (painter.fast) {
     painter.fast->general = &*painter.general;
     painter.kernel = fastBlendFor(*painter.fast);

@@ -27,6 +27,7 @@ struct IsosurfaceJob {
   double step_mm = 1;         // of bins, and of samples where there are any
   Rgb background;
   const SurfaceHits* tools = nullptr;  // of the same camera; null: none
+  RaysOfPass rays;                     // where the images have rays that are cut at lenses: VolumeRender.h
 };
 
 // True when cells are walked.

@@ -73,11 +73,14 @@ struct VolumeRenderJob {
   double leastLight = kReviewLeastLight;
   Rgb background;
   const SurfaceHits* tools = nullptr;  // of the same camera; null: none
+  RaysOfPass rays;                     // of Blend, where the images have rays that are cut at lenses
 };
 
 // True when the SIMD kernel will draw the job; for cost models and tests.
 VERNIER_API bool rendersFast(const VolumeRenderJob&);
 
+// Where images.rays is set, rays that meet a lens are left to their parts (RayIntervals.h), of which the job
+// draws those that `rays` names, and pixels are written only if it draws plain rays.
 // Fills colour and depth (mm along the ray: where the accumulated opacity passes 0.5, within the step by its
 // extinction; Max and Min: where the extremum lies; kNothing_mm where neither is). Writes every pixel. Adds
 // samples to the counters.

@@ -2,7 +2,8 @@
 // The rays that meet a lens, cut into parts: how the techniques that draw one picture with lenses meet. A ray
 // is cut by the region that takes part (keptRegion, near distance), by lenses and by tools. Between two cuts
 // one appearance rules: 0 is the layer of the scene that looks through the volume, n the inside of the n-th
-// lens of the plan; where lenses overlap the later one. Parts inside a lens that shows nothing are left out.
+// lens of the plan; where lenses overlap the later one. Parts inside a lens that shows nothing are drawn by
+// nobody: they stay as they are, and let all through.
 //
 // A plan with lenses: the rays are cut; the outside draws each ray that meets no lens, as it always does, and
 // the first of its parts on the others; each lens draws its parts; the outside draws the rest; all is joined.
@@ -22,7 +23,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "vernier/base/Api.h"
@@ -44,7 +48,7 @@ struct RaySegment {
   float weight = 1;      // what the tools before it let through
   std::array<float, 3> colour{0, 0, 0};
   float through = 1;
-  float depth_mm = 0;  // ordered: where the opacity of the part alone passes 0.5; commuting: of what is seen
+  float depth_mm = 0;  // ordered: where the opacity of all up to there passes 0.5; commuting: of what is seen
   bool hasDepth = false;
 };
 
@@ -52,6 +56,9 @@ struct VERNIER_API RayIntervals {
   int width = 0, height = 0;
   std::vector<std::uint32_t> first;  // of each pixel, one more than there are pixels; row 0 on top
   std::vector<RaySegment> segments;  // nearest first
+  // What the passes of one appearance make once and use again, by a number that says what it is made of and
+  // the step; theirs alone.
+  std::map<std::pair<std::uint64_t, double>, std::shared_ptr<const void>> shared;
 
   std::span<RaySegment> of(std::size_t pixel) {
     return {segments.data() + first[pixel], segments.data() + first[pixel + 1]};
