@@ -72,13 +72,13 @@ class GlProjection {
     return native::drawProjection(
         job_,
         [&](const native::RayPart& p) {
-          const native::Steps steps = native::stepsOf(p.from_mm, p.to_mm, job_.step_mm, extreme_);
+          const native::Steps steps = native::stepsOf(p.along.from_mm, p.along.to_mm, job_.step_mm, extreme_);
           const double scale = 1 / p.rayPerDepth;
           float* const out = parts_[p.passed].data() + texel(p);
           out[0] =
               static_cast<float>((static_cast<double>(steps.first) + 0.5) * job_.step_mm * scale - plane_mm_);
-          out[1] = static_cast<float>(p.from_mm * scale - plane_mm_);
-          out[2] = static_cast<float>(p.to_mm * scale - plane_mm_);
+          out[1] = static_cast<float>(p.along.from_mm * scale - plane_mm_);
+          out[2] = static_cast<float>(p.along.to_mm * scale - plane_mm_);
           out[3] = static_cast<float>(steps.count);
           return native::Gathered{};
         },
@@ -97,7 +97,7 @@ class GlProjection {
       out.length_mm = length;
       out.integral = value * p.rayPerDepth + code_.modalityAtBias * length;
     } else {
-      out.length_mm = p.to_mm - p.from_mm;
+      out.length_mm = p.along.to_mm - p.along.from_mm;
       out.integral = value * p.rayPerDepth;
     }
     return out;
@@ -231,7 +231,9 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   const Result<gpu::TexelCode> code = gpu::texelCode(*p.volume);
   if (!code) return code.error();
   if (const Result<void> ok = checkDrawable(p, *code, context.capabilities); !ok) return ok.error();
-  Pass pass = projectionPass(*params, index, context);
+  Result<Pass> made = projectionPass(*params, index, context);
+  if (!made) return made.error();
+  Pass pass = *std::move(made);
   pass.inputs[0] = "volume texture";
   const double pixels = static_cast<double>(p.view.width_px) * static_cast<double>(p.view.height_px);
   pass.resources = {{"texture3d", code->bytes(p.volume->grid())},
