@@ -274,14 +274,12 @@ HWY_INLINE float CuedBound(const Part& r, std::int64_t block, float score) {
 template <class T, Gather kG, bool kHoles>
 void Extreme(const FastProjection& p, const VoxelRay& ray, const RayStretch& s, RayHint& hint, Gathered& out,
              ProjectionWork& work) {
-  // Steps whose middle a part holds inside a ray are not moved.
-  constexpr double kAnywhere = std::numeric_limits<double>::infinity();
   Part r{p,
          ray,
          s.from_mm,
          s.to_mm,
-         s.beginsInside ? -kAnywhere : s.from_mm,
-         s.endsInside ? kAnywhere : s.to_mm,
+         s.from_mm,
+         s.to_mm,
          stepsOf(s, p.job->step_mm, true),
          cueAlong(*p.job, ray),
          kNever,
