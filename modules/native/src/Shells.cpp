@@ -316,7 +316,6 @@ bool Drawing::beginParts(int number, int round, Gathered& g) const {
       // A crossing at the cut itself belongs to the part behind it.
       g.to[i] = s.endsInside ? std::nextafter(ray.to_mm * scale, 0.0) : ray.to_mm * scale;
       g.caps[i] = ray.caps;
-      // Caps stand at the very ends.
       if (s.endsInside) g.caps[i][1].t_mm = g.to[i] * perDepth(x, y) * (1 - 1e-15);
     }
   return any;
@@ -330,7 +329,7 @@ void Drawing::addPart(Gathered& g, std::size_t i, const ShellPixel& shown, RaySe
     return putPart(job_.colour * shown.value, shown.t_mm, own);
   }
   const glm::dvec3 colour = job_.colour * (static_cast<double>(own.weight) * shown.value);
-  const glm::dvec3 before(first.colour[0], first.colour[1], first.colour[2]);
+  const glm::dvec3 before{first.colour[0], first.colour[1], first.colour[2]};
   if (job_.mode == ShellsMode::Max) {
     if (!first.covered || glm::any(glm::greaterThan(colour, before))) putPart(colour, shown.t_mm, first);
     return;
@@ -350,9 +349,7 @@ void Drawing::composeParts(int number, int round, Gathered& g) const {
       if (g.segment[i] < 0) continue;
       RaySegment& own = rays_->segments[static_cast<std::size_t>(g.segment[i])];
       RaySegment* first = nullptr;
-      eachSegment(*rays_, p, job_.rays, [&](std::size_t n) {
-        if (!first) first = &rays_->segments[n];
-      });
+      eachSegment(*rays_, p, job_.rays, [&](std::size_t n) { first = first ? first : &rays_->segments[n]; });
       if (round == 0) {
         first->covered = first->hasDepth = false;
         g.crossings[i] = g.distance[i] = 0;
