@@ -73,4 +73,15 @@ inline glm::dvec3 joined(const RayIntervals& rays, std::size_t pixel, Accumulato
   return !any ? background : how == Accumulator::Min ? least : most;
 }
 
+// Ordered parts, front to back, over the background.
+inline glm::dvec3 joinedInOrder(const RayIntervals& rays, std::size_t pixel, const glm::dvec3& background) {
+  glm::dvec3 sum(0);
+  double through = 1;
+  for (const RaySegment& s : rays.of(pixel)) {
+    sum += through * glm::dvec3(s.colour[0], s.colour[1], s.colour[2]);
+    through *= static_cast<double>(s.through);
+  }
+  return sum + through * background;
+}
+
 }  // namespace vernier::test
