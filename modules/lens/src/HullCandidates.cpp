@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kMostFaces = 512;  // beyond, a look at all faces for each point does not pay
 constexpr int kRounds = 5;
+constexpr double kWorthIt = 0.1;  // a round that takes less of the points away is the last
 
 // The faces of a rough hull: structure of arrays for the one loop that costs.
 struct Faces {
@@ -101,7 +102,9 @@ Result<std::vector<glm::dvec3>> hullCandidates(std::span<const glm::dvec3> point
       kept.push_back(p);
       if (o.distance > far[o.face].first) far[o.face] = {o.distance, p};
     }
+    const double taken = 1 - static_cast<double>(kept.size()) / static_cast<double>(rest.size());
     rest = std::move(kept);
+    if (taken < kWorthIt) break;
     rough = h->corners;
     for (const auto& [distance, p] : far)
       if (distance > 0) rough.push_back(p);

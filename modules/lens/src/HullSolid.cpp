@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "CleanHull.h"
+#include "ExactHull.h"
 #include "SolidShapes.h"
 #include "Words.h"
 #include "vernier/lens/Shapes.h"
@@ -24,6 +25,7 @@ std::size_t farthest(std::span<const glm::dvec3> points, const Measure& measure)
   return best;
 }
 
+constexpr std::size_t kMostExactPoints = 150000;  // a second's work for the exact hull
 constexpr const char* kNext = "; give points that enclose a volume.";
 
 // Four points that span a volume; the reason when there are none.
@@ -90,13 +92,18 @@ Result<Solid> hullSolid(std::span<const MeshPoint> given) {
   if (!seeds) return seeds.error();
   Result<std::vector<glm::dvec3>> candidates = hullCandidates(points, scale, *seeds);
   if (!candidates) return candidates.error();
-  const bool many = candidates->size() > kMostHullPoints;
-  Result<Solid> solid = cleanHull(many ? thinned(*candidates, scale) : *candidates, scale);
-  if (!solid || !many) return solid;
-  const double lost = farthestOutside_mm(*solid, scale.middle, *candidates);
+  std::vector<glm::dvec3> corners = *std::move(candidates);
+  if (corners.size() > kMostHullPoints && corners.size() <= kMostExactPoints) {
+    Result<TriangleHull> exact = exactHull(corners);  // most of them may lie inside
+    if (!exact) return exact.error();
+    corners = std::move(exact->corners);
+  }
+  if (corners.size() <= kMostHullPoints) return cleanHull(std::move(corners), scale);
+  Result<Solid> solid = cleanHull(thinned(corners, scale), scale);
+  if (!solid) return solid;
   solid->notice = "its hull, of " + std::to_string(points.size()) + " points, was made of " +
-                  std::to_string(kMostHullPoints) + " of them at most: it is up to " + inWords(lost) +
-                  " mm smaller";
+                  std::to_string(kMostHullPoints) + " of them at most: it is up to " +
+                  inWords(farthestOutside_mm(*solid, scale.middle, corners)) + " mm smaller";
   return solid;
 }
 
