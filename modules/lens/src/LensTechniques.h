@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The techniques of this module, one function each.
+#pragma once
+#include "vernier/plan/Technique.h"
+
+namespace vernier::lens {
+
+Technique nativeLensTechnique(Host&);
+
+}  // namespace vernier::lens

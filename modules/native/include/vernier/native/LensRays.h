@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Pictures with lenses on the CPU (Ropinski, Steinicke, Hinrichs 2005, section 3; RayIntervals.h): rays are
+// cut at the faces of convex regions and at tools before anything is drawn, so that no sample is ever tested
+// against a lens; and what was drawn of their parts is joined.
+//
+// Where a ray enters and leaves a lens is computed in double: against all faces up to kAnalyticFacets of
+// them, above that against the two faces that the rasteriser finds on the pixel (edge functions in double).
+// Both give the same intervals; those of the parts are rounded to float.
+//
+// Frames: Pixel (centres at half-integers, row 0 on top), mm along the rays of CameraPicture. Threads: rows
+// by parallelFor, the same bits for any number of them. The stop token is read once per row. Errors:
+// Cancelled; Internal for images without parts.
+#pragma once
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "vernier/base/ConvexRegion.h"
+#include "vernier/native/Surfaces.h"
+#include "vernier/plan/Volumetric.h"
+
+namespace vernier::native {
+
+inline constexpr std::size_t kAnalyticFacets = 16;
+
+struct LensRaysJob {
+  CameraPicture camera;
+  std::vector<HalfSpace> region;                            // keptRegion()
+  std::vector<std::shared_ptr<const ConvexRegion>> lenses;  // appearance n is the n-th from 1; the later wins
+  const SurfaceHits* tools = nullptr;                       // of the same camera; null: none
+};
+
+// Where the lines of all pixels enter and leave one lens, mm; empty (entry > exit) where they miss it. Lines,
+// not rays: a lens around the eye is entered at a negative distance.
+struct LensSpans {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // pixels outside [x0, x1) x [y0, y1) miss the lens
+  std::vector<RaySpan> spans;          // of those inside, row by row
+};
+VERNIER_API LensSpans lensSpans(const ConvexRegion&, const CameraPicture&, bool rasterised);
+
+// Makes images.rays anew. Nothing else of the images is touched.
+VERNIER_API Result<void> cutRays(const LensRaysJob&, Images&, std::stop_token = {});
+
+struct JoinJob {
+  std::vector<Accumulator> accumulators;  // of each appearance
+  glm::dvec3 background{0};
+};
+// Writes colour and depth of the pixels that meet a lens, and takes images.rays away.
+VERNIER_API Result<void> joinParts(const JoinJob&, Images&, std::stop_token = {});
+
+}  // namespace vernier::native
