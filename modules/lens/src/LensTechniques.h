@@ -6,5 +6,6 @@
 namespace vernier::lens {
 
 Technique nativeLensTechnique(Host&);
+Technique glLensTechnique(Host&);
 
 }  // namespace vernier::lens

@@ -2,6 +2,7 @@
 // lens.native: rays cut at lenses and their parts joined, by module native.
 #include <algorithm>
 
+#include "LensParams.h"
 #include "LensTechniques.h"
 #include "vernier/lens/Shapes.h"
 #include "vernier/native/LensRays.h"
@@ -13,32 +14,34 @@ namespace {
 // and of a part that is joined.
 constexpr double kPixel_ns = 60, kFace_ns = 1.5, kPart_ns = 25;
 
-struct CutParams final : PassParams {
-  native::LensRaysJob job;
-  std::vector<PlacedSurface> tools;
-  std::vector<std::size_t> facets;
-  std::string dump() const override {
-    std::string s = job.camera.projection == Projection::Perspective ? "perspective" : "orthographic";
-    s += ", facets";
-    for (std::size_t n : facets)
-      s += " " + std::to_string(n) + (n > native::kAnalyticFacets ? " (rasterised)" : "");
-    if (!tools.empty()) s += ", tools " + std::to_string(tools.size());
-    return s;
-  }
-};
+Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
+  if (const auto* join = dynamic_cast<const JoinParams*>(pass.params.get()))
+    return native::joinParts(join->job, images, stop);
+  const auto* cut = dynamic_cast<const CutParams*>(pass.params.get());
+  if (!cut) return makeError(ErrorCode::Internal, "The pass has no lens parameters.", pass.technique);
+  return cutLensRays(*cut, {}, images, stop);
+}
 
-struct JoinParams final : PassParams {
-  native::JoinJob job;
-  std::string dump() const override {
-    constexpr const char* names[] = {"ordered", "max", "min", "mean", "sum", "attenuation"};
-    std::string s;
-    for (Accumulator a : job.accumulators)
-      s += (s.empty() ? "outside " : ", inside ") + std::string(names[static_cast<std::size_t>(a)]);
-    return s;
-  }
-};
+}  // namespace
 
-Result<std::vector<Pass>> passesFor(const Layer&, std::size_t, const PlanContext& context) {
+std::string CutParams::dump() const {
+  std::string s = job.camera.projection == Projection::Perspective ? "perspective" : "orthographic";
+  s += ", facets";
+  for (std::size_t n : facets)
+    s += " " + std::to_string(n) + (n > native::kAnalyticFacets && !onGl ? " (rasterised)" : "");
+  if (!tools.empty()) s += ", tools " + std::to_string(tools.size());
+  return s;
+}
+
+std::string JoinParams::dump() const {
+  constexpr const char* names[] = {"ordered", "max", "min", "mean", "sum", "attenuation"};
+  std::string s;
+  for (Accumulator a : job.accumulators)
+    s += (s.empty() ? "outside " : ", inside ") + std::string(names[static_cast<std::size_t>(a)]);
+  return s;
+}
+
+Result<std::vector<Pass>> lensPasses(const PlanContext& context) {
   if (context.lenses.empty() || context.appearances.size() != context.lenses.size() + 1)
     return makeError(ErrorCode::SceneInvalid, "The lens has nothing to look into.");
   const auto behind =
@@ -86,15 +89,13 @@ Result<std::vector<Pass>> passesFor(const Layer&, std::size_t, const PlanContext
   return passes;
 }
 
-Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
-  if (const auto* join = dynamic_cast<const JoinParams*>(pass.params.get()))
-    return native::joinParts(join->job, images, stop);
-  const auto* cut = dynamic_cast<const CutParams*>(pass.params.get());
-  if (!cut) return makeError(ErrorCode::Internal, "The pass has no lens parameters.", pass.technique);
-  native::LensRaysJob job = cut->job;
+Result<void> cutLensRays(const CutParams& cut, const std::vector<native::LensSpans>& known, Images& images,
+                         std::stop_token stop) {
+  native::LensRaysJob job = cut.job;
+  if (!known.empty()) job.known = &known;
   Result<native::SurfaceHits> hits = native::SurfaceHits{};
-  if (!cut->tools.empty()) {
-    hits = native::findSurfaces({cut->tools, job.camera, glm::dvec3(0)}, stop);
+  if (!cut.tools.empty()) {
+    hits = native::findSurfaces({cut.tools, job.camera, glm::dvec3(0)}, stop);
     if (!hits) return hits.error();
     images.counters.triangles += hits->counters.triangles;
     job.tools = &*hits;
@@ -102,15 +103,13 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
   return native::cutRays(job, images, stop);
 }
 
-}  // namespace
-
 Technique nativeLensTechnique(Host& host) {
   Technique t;
   t.name = "lens.native";
   t.kinds = {"lens"};
   t.engine = Engine::Native;
   t.region = [&host](const LensLayer& l, const Sources& s) { return convexRegion(l, s, host.derivedData()); };
-  t.passesFor = passesFor;
+  t.passesFor = [](const Layer&, std::size_t, const PlanContext& c) { return lensPasses(c); };
   t.execute = execute;
   return t;
 }

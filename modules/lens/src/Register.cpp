@@ -4,6 +4,9 @@
 
 namespace vernier::lens {
 
-Result<void> registerLens(Host& host) { return host.addTechnique(nativeLensTechnique(host)); }
+Result<void> registerLens(Host& host) {
+  if (Result<void> r = host.addTechnique(nativeLensTechnique(host)); !r) return r;
+  return host.addTechnique(glLensTechnique(host));
+}
 
 }  // namespace vernier::lens
