@@ -2,6 +2,8 @@
 // in the volume's middle and depths from a plane there, so that floats keep their digits.
 uniform sampler3D volume;
 uniform sampler2D parts;  // depths in mm: first sample, begin, end; number of samples
+uniform sampler2D borders;  // of rays that are cut into pieces: depths between which samples lie
+uniform int pieces;         // 1: there are borders; else they are begin and end
 uniform ivec3 middle;     // voxel
 uniform vec3 origin;      // of the picture's centre on the plane, in voxels from the middle
 uniform vec3 right;       // voxels per pixel, of the plane or (perspective) for each mm of depth
@@ -53,6 +55,7 @@ void main() {
   vec4 ray = texelFetch(parts, ivec2(gl_FragCoord.xy), 0);
   int count = int(ray.w);
   if (count == 0) discard;
+  vec2 border = pieces != 0 ? texelFetch(borders, ivec2(gl_FragCoord.xy), 0).xy : ray.yz;
   vec2 at = gl_FragCoord.xy - centre_px;
   vec3 across = at.x * right + at.y * down;
   vec3 begin = origin + spread.x * across;
@@ -69,10 +72,10 @@ void main() {
     if (extreme) {
       depth = clamp(depth, ray.y, ray.z);
     } else {
-      float from = max(depth - 0.5 * stepDepth, ray.y);
-      float to = min(depth + 0.5 * stepDepth, ray.z);
-      weight = max(to - from, 0.0);
-      depth = 0.5 * (from + to);
+      float from = depth - 0.5 * stepDepth;
+      float to = depth + 0.5 * stepDepth;
+      weight = max(min(to, ray.z) - max(from, ray.y), 0.0);
+      depth = 0.5 * (max(from, border.x) + min(to, border.y));
     }
     vec2 read = sampled(begin + depth * perMm);
     if (read.y < kLeastWeight) continue;

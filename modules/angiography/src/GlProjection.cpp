@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "AngiographyTechniques.h"
 #include "GlShellDrawing.h"
@@ -47,8 +48,8 @@ class GlProjection {
 
   Result<void> run(Images& images) {
     if (Result<void> r = findParts(images); !r) return r;
-    for (std::vector<float>& part : parts_)
-      if (Result<void> r = drawPart(part); !r) return r;
+    for (std::size_t n = 0; n < parts_.size(); ++n)
+      if (Result<void> r = drawPart(parts_[n], images.rays ? &borders_[n] : nullptr); !r) return r;
     images.counters.samples += samples_;
     return native::drawProjection(
         job_, [&](const native::RayPart& p) { return read(p); }, images, stop_);
@@ -66,23 +67,41 @@ class GlProjection {
     if (job_.tools)
       for (std::size_t n = 0; n + 1 < job_.tools->first.size(); ++n)
         most = std::max(most, job_.tools->first[n + 1] - job_.tools->first[n]);
+    if (images.rays) most = std::max(most, mostSegments(*images.rays));
     parts_.resize(most + 1);
-    for (auto& part : parts_)
-      part.assign(4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0f);
+    borders_.resize(images.rays ? most + 1 : 0);
+    for (auto* all : {&parts_, &borders_})
+      for (auto& part : *all)
+        part.assign(4 * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0f);
     return native::drawProjection(
         job_,
         [&](const native::RayPart& p) {
-          const native::Steps steps = native::stepsOf(p.from_mm, p.to_mm, job_.step_mm, extreme_);
+          const native::Steps steps = native::stepsOf(p.along, job_.step_mm, extreme_);
           const double scale = 1 / p.rayPerDepth;
           float* const out = parts_[p.passed].data() + texel(p);
           out[0] =
               static_cast<float>((static_cast<double>(steps.first) + 0.5) * job_.step_mm * scale - plane_mm_);
-          out[1] = static_cast<float>(p.from_mm * scale - plane_mm_);
-          out[2] = static_cast<float>(p.to_mm * scale - plane_mm_);
+          out[1] = static_cast<float>(p.along.from_mm * scale - plane_mm_);
+          out[2] = static_cast<float>(p.along.to_mm * scale - plane_mm_);
           out[3] = static_cast<float>(steps.count);
+          if (borders_.empty()) return native::Gathered{};
+          float* const border = borders_[p.passed].data() + texel(p);
+          border[0] = static_cast<float>(p.along.least_mm() * scale - plane_mm_);
+          border[1] = static_cast<float>(p.along.most_mm() * scale - plane_mm_);
           return native::Gathered{};
         },
         images, stop_);
+  }
+
+  // Parts less one.
+  std::uint32_t mostSegments(const RayIntervals& rays) const {
+    std::uint32_t most = 1;
+    for (std::size_t p = 0; p + 1 < rays.first.size(); ++p) {
+      std::uint32_t count = 0;
+      eachSegment(rays, p, job_.rays, [&](std::size_t) { ++count; });
+      most = std::max(most, count);
+    }
+    return most - 1;
   }
 
   native::Gathered read(const native::RayPart& p) const {
@@ -97,7 +116,7 @@ class GlProjection {
       out.length_mm = length;
       out.integral = value * p.rayPerDepth + code_.modalityAtBias * length;
     } else {
-      out.length_mm = p.to_mm - p.from_mm;
+      out.length_mm = p.along.to_mm - p.along.from_mm;
       out.integral = value * p.rayPerDepth;
     }
     return out;
@@ -143,12 +162,19 @@ class GlProjection {
   }
 
   // Rays in, what they amount to out.
-  Result<void> drawPart(std::vector<float>& part) {
+  Result<void> drawPart(std::vector<float>& part, const std::vector<float>* border) {
     auto texture = gpu::volumeTexture(device_, *job_.volume, code_, stop_);
     if (!texture) return texture.error();
     Result<gpu::Texture> rays =
         device_.texture2d(gpu::Format::Rgba32F, width_, height_, std::as_bytes(std::span(part)));
     if (!rays) return rays.error();
+    std::optional<gpu::Texture> borders;
+    if (border) {
+      Result<gpu::Texture> made =
+          device_.texture2d(gpu::Format::Rgba32F, width_, height_, std::as_bytes(std::span(*border)));
+      if (!made) return made.error();
+      borders = *std::move(made);
+    }
     const std::string fragment = "#version 330 core\n" + std::string(gpu::texelShader()) +
                                  std::string(shaderText("projection.frag.glsl"));
     auto program = device_.program("projection", shaderOf("", {"cap.vert.glsl"}), fragment);
@@ -165,8 +191,9 @@ class GlProjection {
     d.program = program->get();
     d.vertices = &*vertices;
     d.count = 3;
-    d.textures = {{"volume", texture->get()}, {"parts", &*rays}};
+    d.textures = {{"volume", texture->get()}, {"parts", &*rays}, {"borders", borders ? &*borders : &*rays}};
     d.uniforms = uniforms();
+    d.uniforms.push_back({"pieces", borders ? 1 : 0});
     if (Result<void> r = drawBatches(d, *target, part); !r) return r;
     return device_.read(*target, 0, part);
   }
@@ -202,7 +229,8 @@ class GlProjection {
   const bool perspective_, extreme_;
   double plane_mm_ = 0;
   glm::i64vec3 middle_{0};
-  std::vector<std::vector<float>> parts_;  // by the tools passed: first the rays, then what they amount to
+  std::vector<std::vector<float>> parts_;    // by the tools passed: first the rays, then what they amount to
+  std::vector<std::vector<float>> borders_;  // of a picture with lenses: between which the samples lie
   std::uint64_t samples_ = 0;
 };
 
@@ -231,7 +259,9 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   const Result<gpu::TexelCode> code = gpu::texelCode(*p.volume);
   if (!code) return code.error();
   if (const Result<void> ok = checkDrawable(p, *code, context.capabilities); !ok) return ok.error();
-  Pass pass = projectionPass(*params, index, context);
+  Result<Pass> made = projectionPass(*params, index, context);
+  if (!made) return made.error();
+  Pass pass = *std::move(made);
   pass.inputs[0] = "volume texture";
   const double pixels = static_cast<double>(p.view.width_px) * static_cast<double>(p.view.height_px);
   pass.resources = {{"texture3d", code->bytes(p.volume->grid())},
@@ -254,10 +284,15 @@ Result<void> execute(Host& host, const Pass& pass, Images& images, std::stop_tok
   if (!code) return code.error();
   Result<gpu::Device*> device = host.glDevice();
   if (!device) return device.error();
-  const Result<native::SurfaceHits> tools = toolsOf(*p, images, stop);
-  if (!tools) return tools.error();
   native::ProjectionJob job = p->job;
-  if (!p->tools.empty()) job.tools = &*tools;
+  job.rays = pass.rays;
+  native::SurfaceHits tools;
+  if (!p->tools.empty() && pass.rays.drawsPlainRays()) {
+    Result<native::SurfaceHits> found = toolsOf(*p, images, stop);
+    if (!found) return found.error();
+    tools = *std::move(found);
+    job.tools = &tools;
+  }
   if (p->view.wantValues)
     images.values.resize(static_cast<std::size_t>(p->view.width_px) *
                          static_cast<std::size_t>(p->view.height_px));
@@ -277,6 +312,7 @@ Technique glProjectionTechnique(Host& host) {
   t.name = "projection.gl";
   t.kinds = {"projection"};
   t.engine = Engine::Gl;
+  t.drawsParts = true;
   t.passesFor = passesFor;
   t.execute = [&host](const Pass& p, Images& i, std::stop_token s) { return execute(host, p, i, s); };
   return t;

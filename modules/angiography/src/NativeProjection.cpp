@@ -44,7 +44,9 @@ Result<std::vector<Pass>> passesFor(bool exact, const Layer& layer, std::size_t 
     p.job.exact = true;
     p.job.step_mm = 0.9 * smallestSpacing_mm(p.volume->grid());  // of the search for a good start
   }
-  Pass pass = projectionPass(*params, index, context);
+  Result<Pass> made = projectionPass(*params, index, context);
+  if (!made) return made.error();
+  Pass pass = *std::move(made);
   if (hasBounds(p)) pass.resources = {{"bounds of bricks", native::bytesOfBounds(p.volume->grid())}};
   pass.predicted_ms = predicted_ms(p, context);
   return std::vector<Pass>{std::move(pass)};
@@ -69,9 +71,14 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop, Der
   if (!bounds) return bounds.error();
   native::ProjectionJob job = p->job;
   job.bounds = bounds->get();
-  const Result<native::SurfaceHits> tools = toolsOf(*p, images, stop);
-  if (!tools) return tools.error();
-  if (!p->tools.empty()) job.tools = &*tools;
+  job.rays = pass.rays;
+  native::SurfaceHits tools;
+  if (!p->tools.empty() && pass.rays.drawsPlainRays()) {
+    Result<native::SurfaceHits> found = toolsOf(*p, images, stop);
+    if (!found) return found.error();
+    tools = *std::move(found);
+    job.tools = &tools;
+  }
   if (p->view.wantValues)
     images.values.resize(static_cast<std::size_t>(p->view.width_px) *
                          static_cast<std::size_t>(p->view.height_px));
@@ -83,6 +90,7 @@ Technique projection(Host& host, const char* name, bool exact) {
   t.name = name;
   t.kinds = {"projection"};
   t.engine = Engine::Native;
+  t.drawsParts = true;
   t.passesFor = [exact](const Layer& l, std::size_t i, const PlanContext& c) {
     return passesFor(exact, l, i, c);
   };

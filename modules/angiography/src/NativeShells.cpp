@@ -27,8 +27,9 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
 Result<void> execute(const Pass& pass, Images& images, std::stop_token stop, ShellStore& store) {
   const auto* p = dynamic_cast<const ShellParams*>(pass.params.get());
   if (!p) return makeError(ErrorCode::Internal, "The pass has no parameters of shells.", "shells.native");
-  const Result<native::ShellsJob> job = withMeshes(*p, store, stop);
+  Result<native::ShellsJob> job = withMeshes(*p, store, stop);
   if (!job) return job.error();
+  job->rays = pass.rays;
   return native::drawShells(*job, images, stop);
 }
 
@@ -39,6 +40,7 @@ Technique nativeShellsTechnique(std::shared_ptr<ShellStore> store) {
   t.name = "shells.native";
   t.kinds = {"shells"};
   t.engine = Engine::Native;
+  t.drawsParts = true;
   t.passesFor = [store](const Layer& layer, std::size_t index, const PlanContext& context) {
     return passesFor(layer, index, context, *store);
   };

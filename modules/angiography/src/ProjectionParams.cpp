@@ -90,9 +90,33 @@ double predictedError(const ProjectionParams& p, double step) {
   return isExtreme(p.job.mode) ? 16 * step : 1.0 * step;
 }
 
-Pass projectionPass(std::shared_ptr<const ProjectionParams> params, std::size_t index,
-                    const PlanContext& context) {
+Result<Accumulator> accumulatorOf(const ProjectionParams& p, const PlanContext& context) {
+  const bool inverted = p.job.invert;
+  if (!context.lenses.empty() && inverted && (!isExtreme(p.job.mode) || !context.tools.empty()))
+    return makeError(ErrorCode::NoTechnique,
+                     std::string("An inverted projection of mode ") + nameOf(p.job.mode) +
+                         (isExtreme(p.job.mode) ? " with tools" : "") + " cannot be cut at a lens.");
+  switch (p.job.mode) {
+    case ProjectionMode::Max:
+      return inverted ? Accumulator::Min : Accumulator::Max;
+    case ProjectionMode::Min:
+      return inverted ? Accumulator::Max : Accumulator::Min;
+    case ProjectionMode::Mean:
+      return Accumulator::Mean;
+    case ProjectionMode::Sum:
+      return Accumulator::Sum;
+    case ProjectionMode::Attenuation:
+      break;
+  }
+  return Accumulator::Attenuation;
+}
+
+Result<Pass> projectionPass(std::shared_ptr<const ProjectionParams> params, std::size_t index,
+                            const PlanContext& context) {
+  const Result<Accumulator> accumulator = accumulatorOf(*params, context);
+  if (!accumulator) return accumulator.error();
   Pass pass;
+  pass.accumulator = *accumulator;
   pass.name = "projection " + std::to_string(index);
   pass.inputs = {"volume"};
   pass.outputs = {"colour", "depth"};

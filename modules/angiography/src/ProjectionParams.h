@@ -23,12 +23,15 @@ double smallestSpacing_mm(const GridGeometry&);
 // SceneInvalid with its place, GeometryRefused, NotBuiltYet for colour: with the sentence.
 Result<std::shared_ptr<ProjectionParams>> projectionParams(const Layer&, std::size_t index,
                                                            const PlanContext&);
+// How the layer joins with others on a ray. NoTechnique with the sentence where the layer cannot be cut at a
+// lens: what is turned over does not add up from parts.
+Result<Accumulator> accumulatorOf(const ProjectionParams&, const PlanContext&);
 // Levels of 255 within which 99 % of the pixels lie: docs/error.md has the measured figures. Extrema miss
 // peaks in proportion to the step, integrals what bends within it.
 double predictedError(const ProjectionParams&, double step);
 
 // One pass with what is alike for all techniques; its time and resources are the technique's to say.
-Pass projectionPass(std::shared_ptr<const ProjectionParams>, std::size_t index, const PlanContext&);
+Result<Pass> projectionPass(std::shared_ptr<const ProjectionParams>, std::size_t index, const PlanContext&);
 
 // The tools as the picture's rays meet them; without hits where there are none.
 Result<native::SurfaceHits> toolsOf(const ProjectionParams&, Images&, std::stop_token);

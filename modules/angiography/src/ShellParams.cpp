@@ -134,6 +134,9 @@ Result<std::shared_ptr<const ShellParams>> shellParams(const Layer& any, std::si
   job.surfaceBlend = layer.surfaceBlend;
   job.background = {context.scene.background.r, context.scene.background.g, context.scene.background.b};
   job.tools = context.tools;
+  for (const PlacedLens& lens : context.lenses) job.lenses.push_back(lens.region);
+  // Parts of rays are joined so; the rays beside them must not differ.
+  if (!job.lenses.empty()) job.surfaceBlend = SurfaceBlend::Max;
   std::vector<double> enabled;
   for (std::size_t n = 0; n < levels->size(); ++n) {
     if (std::find(layer.disabled.begin(), layer.disabled.end(), static_cast<int>(n)) != layer.disabled.end())
@@ -188,6 +191,9 @@ Pass shellPass(const std::shared_ptr<const ShellParams>& p, std::size_t index) {
   constexpr double kLeast = 8.6, kPerLevel = 255, kSum = 60, kLit = 100;
   Pass pass;
   pass.name = "shells " + std::to_string(index);
+  pass.accumulator = p->job.mode == ShellsMode::Max   ? Accumulator::Max
+                     : p->job.mode == ShellsMode::Sum ? Accumulator::Sum
+                                                      : Accumulator::Ordered;
   pass.inputs = {"shell meshes"};
   if (!p->job.tools.empty()) pass.inputs.push_back("tools");
   pass.outputs = {"colour", "depth"};
@@ -203,6 +209,8 @@ Pass shellPass(const std::shared_ptr<const ShellParams>& p, std::size_t index) {
   if (p->job.shells.size() < p->levels)
     pass.notes.push_back(std::to_string(p->levels - p->job.shells.size()) + " of " +
                          std::to_string(p->levels) + " levels are disabled");
+  if (!p->job.lenses.empty() && !p->job.tools.empty() && p->job.mode == ShellsMode::Max)
+    pass.notes.push_back("in a picture with lenses a tool behind shells is seen where it is brighter");
   noteOutside(p->job, pass.notes);
   pass.params = p;
   return pass;

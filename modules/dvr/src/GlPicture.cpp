@@ -66,6 +66,7 @@ void PictureMaker::finish(Images& images) {
   if (images.colour.size() != 4 * through_.size())
     images.allocate(job_.camera.width_px, job_.camera.height_px, job_.wantValues);
   for (std::size_t p = 0; p < through_.size(); ++p) {
+    if (images.rays && images.rays->meetsLens(p)) continue;
     const native::ToolsOnRay tools = parts_.tools(p);
     const glm::dvec3 behind = tools.ends() ? tools.endColour : job_.background;
     const glm::dvec3 c = colour_[p] + (covered_[p] ? 0.0 : static_cast<double>(through_[p])) * behind;

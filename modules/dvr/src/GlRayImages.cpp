@@ -32,7 +32,8 @@ std::uint64_t RayImages::samples(bool cutSteps) const {
   return static_cast<std::uint64_t>(sum);
 }
 
-Result<RayParts> RayParts::make(const GlVolumeJob& job, bool planar, std::stop_token stop) {
+Result<RayParts> RayParts::make(const GlVolumeJob& job, bool planar, std::stop_token stop,
+                                const RayIntervals* lensed) {
   RayParts parts(job, planar);
   const auto width = static_cast<std::size_t>(job.camera.width_px),
              height = static_cast<std::size_t>(job.camera.height_px);
@@ -48,6 +49,7 @@ Result<RayParts> RayParts::make(const GlVolumeJob& job, bool planar, std::stop_t
       for (std::size_t x = 0; x < width; ++x) {
         const double px = static_cast<double>(x) + 0.5, py = static_cast<double>(y) + 0.5;
         RaySpan& span = parts.spans_[x + width * y];
+        if (lensed && lensed->meetsLens(x + width * y)) continue;
         span =
             spanOf(job.camera.ray(px, py), job.region, job.camera.near_mm * job.camera.rayPerDepth(px, py));
         span.exit_mm = std::min(span.exit_mm, parts.tools(x + width * y).end_mm);
@@ -76,23 +78,30 @@ RaySpan RayParts::span(std::size_t pixel, std::size_t n) const {
 }
 
 RayImages RayParts::images(std::size_t n, const std::vector<float>& through) const {
-  const auto width = static_cast<std::size_t>(job_->camera.width_px),
-             height = static_cast<std::size_t>(job_->camera.height_px);
+  return rayImages(
+      *job_, planar_, [&](std::size_t p) { return span(p, n); },
+      [&](std::size_t p) { return through.empty() ? 1.0f : through[p]; });
+}
+
+RayImages rayImages(const GlVolumeJob& job, bool planar, const std::function<RaySpan(std::size_t)>& spanOf,
+                    const std::function<float(std::size_t)>& leftOf) {
+  const auto width = static_cast<std::size_t>(job.camera.width_px),
+             height = static_cast<std::size_t>(job.camera.height_px);
   RayImages out;
   out.start.assign(4 * width * height, 0.0f), out.lattice.assign(4 * width * height, 0.0f);
   out.entry_mm.assign(width * height, 0.0), out.length_steps.assign(width * height, 0.0f),
       out.stepsInRow.assign(height, 0);
-  const VoxelFromPatient& toVoxel = job_->volume->voxelFromPatient();
+  const VoxelFromPatient& toVoxel = job.volume->voxelFromPatient();
   parallelFor(height, kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t y = begin; y < end; ++y)
       for (std::size_t x = 0; x < width; ++x) {
         const std::size_t p = x + width * y;
-        const RaySpan part = span(p, n);
-        const float left = through.empty() ? 1.0f : through[p];
+        const RaySpan part = spanOf(p);
+        const float left = leftOf(p);
         if (part.empty() || left < kNothingLeft) continue;
         const double px = static_cast<double>(x) + 0.5, py = static_cast<double>(y) + 0.5;
-        const double d = job_->step_mm * (planar_ ? job_->camera.rayPerDepth(px, py) : 1.0);
-        const glm::dvec3 from = (toVoxel * job_->camera.ray(px, py).at(part.entry_mm)).p;
+        const double d = job.step_mm * (planar ? job.camera.rayPerDepth(px, py) : 1.0);
+        const glm::dvec3 from = (toVoxel * job.camera.ray(px, py).at(part.entry_mm)).p;
         const double first = std::floor(part.entry_mm / d);
         const double steps = std::max(1.0, std::ceil(part.exit_mm / d) - first);
         float* const start = out.start.data() + 4 * p;

@@ -4,6 +4,7 @@
 // other and joined with the tools between them. Everything that a shader counts from the ray's entry stays
 // small, so that floats hold it.
 #pragma once
+#include <functional>
 #include <optional>
 #include <stop_token>
 #include <vector>
@@ -26,10 +27,16 @@ struct RayImages {
   std::uint64_t samples(bool cutSteps) const;
 };
 
+// `spanOf`: of each pixel, mm along its ray; empty: it has no part. `left`: what earlier parts let through.
+RayImages rayImages(const GlVolumeJob&, bool planar, const std::function<RaySpan(std::size_t)>& spanOf,
+                    const std::function<float(std::size_t)>& left);
+
 class RayParts {
  public:
   // `planar`: the lattice counts depth along the view instead of distance along the ray.
-  static Result<RayParts> make(const GlVolumeJob&, bool planar, std::stop_token);
+  // `lensed`: rays that meet a lens there have no parts.
+  static Result<RayParts> make(const GlVolumeJob&, bool planar, std::stop_token,
+                               const RayIntervals* lensed = nullptr);
 
   // Parts of the ray with the most of them.
   std::size_t count() const { return count_; }

@@ -47,47 +47,140 @@ Result<void> drawBands(gpu::Device& device, const GlVolumeJob& job, const RayIma
   return {};
 }
 
-Result<void> drawRays(gpu::Device& device, const GlVolumeJob& job, Images& images, std::stop_token stop) {
-  Result<RayParts> parts = RayParts::make(job, false, stop);
-  if (!parts) return parts.error();
-  Result<GlInputs> inputs = GlInputs::make(device, job, job.step_mm);
-  if (!inputs) return inputs.error();
-  auto volume = gpu::slabTexture(device, *job.volume, job.code, 0, job.volume->grid().slices, stop);
-  if (!volume) return volume.error();
-  auto program = programOf(device, job, *inputs);
-  if (!program) return program.error();
-  Result<gpu::VertexData> vertices = wholePicture(device, job);
-  if (!vertices) return vertices.error();
-  const std::array formats{gpu::Format::Rgba32F, gpu::Format::Rgba32F};
-  Result<gpu::Target> target = device.target(job.camera.width_px, job.camera.height_px, formats);
-  if (!target) return target.error();
+// Everything on the device that the parts of one picture's rays are drawn with.
+class RayDrawer {
+ public:
+  static Result<RayDrawer> make(gpu::Device& device, const GlVolumeJob& job, std::stop_token stop) {
+    Result<GlInputs> inputs = GlInputs::make(device, job, job.step_mm);
+    if (!inputs) return inputs.error();
+    auto volume = gpu::slabTexture(device, *job.volume, job.code, 0, job.volume->grid().slices, stop);
+    if (!volume) return volume.error();
+    auto program = programOf(device, job, *inputs);
+    if (!program) return program.error();
+    Result<gpu::VertexData> vertices = wholePicture(device, job);
+    if (!vertices) return vertices.error();
+    const std::array formats{gpu::Format::Rgba32F, gpu::Format::Rgba32F};
+    Result<gpu::Target> target = device.target(job.camera.width_px, job.camera.height_px, formats);
+    if (!target) return target.error();
+    return RayDrawer{device,
+                     job,
+                     *std::move(inputs),
+                     *std::move(volume),
+                     *std::move(program),
+                     *std::move(vertices),
+                     *std::move(target),
+                     std::move(stop)};
+  }
 
+  Result<DrawnPart> draw(const RayImages& rays) {
+    Result<RayTextures> textures = RayTextures::make(device_, job_, rays);
+    if (!textures) return textures.error();
+    for (int c = 0; c < 2; ++c)
+      if (Result<void> r = device_.clear(target_, c, glm::vec4(0)); !r) return r.error();
+    gpu::Draw draw;
+    draw.program = program_.get(), draw.vertices = &vertices_, draw.count = 4;
+    draw.primitive = gpu::Primitive::TriangleStrip;
+    inputs_.addTo(draw);
+    textures->addTo(draw);
+    const GridGeometry& g = job_.volume->grid();
+    draw.uniforms.push_back({"mostCells", static_cast<int>(g.columns + g.rows + g.slices)});
+    draw.textures.push_back(
+        {"volume", volume_.get(), job_.fixedFunction ? gpu::Filter::Linear : gpu::Filter::Nearest});
+    for (const auto& [name, value] :
+         {std::pair{"firstSlice", 0.0f}, {"enough", static_cast<float>(job_.leastLight)}, {"rank", 0.0f}})
+      draw.uniforms.push_back({name, value});
+    if (Result<void> r = drawBands(device_, job_, rays, draw, target_, stop_); !r) return r.error();
+    return readBack(device_, target_);
+  }
+
+ private:
+  using Shared = std::shared_ptr<const gpu::Program>;
+  RayDrawer(gpu::Device& device, const GlVolumeJob& job, GlInputs inputs,
+            std::shared_ptr<const gpu::Texture> volume, Shared program, gpu::VertexData vertices,
+            gpu::Target target, std::stop_token stop)
+      : device_(device),
+        job_(job),
+        inputs_(std::move(inputs)),
+        volume_(std::move(volume)),
+        program_(std::move(program)),
+        vertices_(std::move(vertices)),
+        target_(std::move(target)),
+        stop_(std::move(stop)) {}
+
+  gpu::Device& device_;
+  const GlVolumeJob& job_;
+  GlInputs inputs_;
+  std::shared_ptr<const gpu::Texture> volume_;
+  Shared program_;
+  gpu::VertexData vertices_;
+  gpu::Target target_;
+  std::stop_token stop_;
+};
+
+// The rays that meet no lens.
+Result<void> drawPlainRays(RayDrawer& drawer, const GlVolumeJob& job, Images& images, std::stop_token stop) {
+  Result<RayParts> parts = RayParts::make(job, false, std::move(stop), images.rays.get());
+  if (!parts) return parts.error();
   PictureMaker picture(job, *parts);
   for (std::size_t n = 0; n < parts->count(); ++n) {
     const RayImages rays = parts->images(n, picture.through());
-    Result<RayTextures> textures = RayTextures::make(device, job, rays);
-    if (!textures) return textures.error();
-    for (int c = 0; c < 2; ++c)
-      if (Result<void> r = device.clear(*target, c, glm::vec4(0)); !r) return r;
-    gpu::Draw draw;
-    draw.program = program->get(), draw.vertices = &*vertices, draw.count = 4;
-    draw.primitive = gpu::Primitive::TriangleStrip;
-    inputs->addTo(draw);
-    textures->addTo(draw);
-    const GridGeometry& g = job.volume->grid();
-    draw.uniforms.push_back({"mostCells", static_cast<int>(g.columns + g.rows + g.slices)});
-    draw.textures.push_back(
-        {"volume", volume->get(), job.fixedFunction ? gpu::Filter::Linear : gpu::Filter::Nearest});
-    for (const auto& [name, value] :
-         {std::pair{"firstSlice", 0.0f}, {"enough", static_cast<float>(job.leastLight)}, {"rank", 0.0f}})
-      draw.uniforms.push_back({name, value});
-    if (Result<void> r = drawBands(device, job, rays, draw, *target, stop); !r) return r;
-    Result<DrawnPart> drawn = readBack(device, *target);
+    Result<DrawnPart> drawn = drawer.draw(rays);
     if (!drawn) return drawn.error();
     picture.take(n, rays, *drawn);
   }
   picture.finish(images);
   return {};
+}
+
+// What was drawn of a part, into it. `before`: what the parts before it let through.
+void put(const float* seen, const float* found, double entry_mm, float before, RaySegment& s) {
+  for (std::size_t c = 0; c < 3; ++c) s.colour[c] = seen[c];
+  s.through = seen[3];
+  s.covered = seen[3] < 1;
+  s.hasDepth = found[0] >= 0 && before > 0.5f;
+  if (s.hasDepth) s.depth_mm = static_cast<float>(entry_mm + static_cast<double>(found[0]));
+}
+
+// The parts of the rays that meet a lens, as entry and exit images (Ropinski, section 3): in each round one
+// part of every ray that has one.
+Result<void> drawSegments(RayDrawer& drawer, const GlVolumeJob& job, const RaysOfPass& pass, Images& images) {
+  RayIntervals& cut = *images.rays;
+  for (int round = 0;; ++round) {
+    const RayRound parts = roundOf(cut, pass, round);
+    if (!parts.any) return {};
+    const auto before = [&](std::size_t p) {
+      return parts.segment[p] < 0 ? 0.0f : cut.lightBefore(p, static_cast<std::size_t>(parts.segment[p]));
+    };
+    const RayImages rays = rayImages(
+        job, false,
+        [&](std::size_t p) {
+          return RaySpan{static_cast<double>(parts.from_mm[p]), static_cast<double>(parts.to_mm[p])};
+        },
+        before);
+    if (!rays.any()) continue;
+    const Result<DrawnPart> drawn = drawer.draw(rays);
+    if (!drawn) return drawn.error();
+    for (std::size_t p = 0; p < parts.segment.size(); ++p) {
+      if (!(rays.lattice[4 * p + 2] > 0)) continue;
+      put(drawn->seen.data() + 4 * p, drawn->found.data() + 4 * p, rays.entry_mm[p], rays.lattice[4 * p + 3],
+          cut.segments[static_cast<std::size_t>(parts.segment[p])]);
+      images.counters.samples += static_cast<std::uint64_t>(drawn->found[4 * p + 1]);
+      images.counters.cells += static_cast<std::uint64_t>(drawn->found[4 * p + 3]);
+    }
+  }
+}
+
+Result<void> drawRays(gpu::Device& device, const GlVolumeJob& job, const RaysOfPass& pass, Images& images,
+                      std::stop_token stop) {
+  const auto pixels =
+      static_cast<std::size_t>(job.camera.width_px) * static_cast<std::size_t>(job.camera.height_px);
+  if (images.rays && images.rays->first.size() != pixels + 1)
+    return makeError(ErrorCode::Internal, "The rays are cut for a picture of another size.", "dvr.rays");
+  Result<RayDrawer> drawer = RayDrawer::make(device, job, stop);
+  if (!drawer) return drawer.error();
+  if (!images.rays || pass.drawsPlainRays())
+    if (Result<void> r = drawPlainRays(*drawer, job, images, std::move(stop)); !r) return r;
+  return images.rays ? drawSegments(*drawer, job, pass, images) : Result<void>();
 }
 
 // As the native rays do: exact where the field is known in every cell. Float volumes may hold NaN anywhere.
@@ -103,6 +196,9 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   if (!made) return made.error();
   GlVolumeJob& job = **made;
   chooseOpenClassification(job);
+  if (!context.appearances.empty() && job.extreme())
+    return makeError(ErrorCode::NoTechnique,
+                     "With lenses a greatest or least value is drawn by a projection; make it one.");
   job.walksCells = mayWalkCells(job, context.quality.level);
   job.fixedFunction = job.fixedFunction && !job.walksCells;
   if (Result<void> r = checkPicture(job, context.capabilities); !r) return r.error();
@@ -143,7 +239,7 @@ Result<void> execute(Host& host, const Pass& pass, Images& images, std::stop_tok
   Result<gpu::Device*> device = host.glDevice();
   if (!device) return device.error();
   const Counters before = (*device)->counters();
-  if (Result<void> r = drawRays(**device, *job, images, stop); !r) return r;
+  if (Result<void> r = drawRays(**device, *job, pass.rays, images, stop); !r) return r;
   addCounters(images.counters, before, (*device)->counters());
   return {};
 }
@@ -155,6 +251,7 @@ Technique glRaysTechnique(Host& host) {
   t.name = "dvr.rays";
   t.kinds = {"volume", "isosurface"};
   t.engine = Engine::Gl;
+  t.drawsParts = true;
   t.passesFor = passesFor;
   t.execute = [&host](const Pass& pass, Images& images, std::stop_token stop) {
     return execute(host, pass, images, stop);

@@ -254,9 +254,11 @@ class RayCutter {
 
 Result<void> cutRays(const LensRaysJob& job, Images& images, std::stop_token stop) {
   const TraceSpan span("rays cut at lenses");
-  std::vector<LensSpans> lenses;
-  for (const auto& lens : job.lenses)
-    lenses.push_back(lensSpans(*lens, job.camera, lens->planes.size() > kAnalyticFacets));
+  std::vector<LensSpans> found;
+  if (!job.known)
+    for (const auto& lens : job.lenses)
+      found.push_back(lensSpans(*lens, job.camera, lens->planes.size() > kAnalyticFacets));
+  const std::vector<LensSpans>& lenses = job.known ? *job.known : found;
   const auto width = static_cast<std::size_t>(job.camera.width_px),
              height = static_cast<std::size_t>(job.camera.height_px);
   auto rays = std::make_shared<RayIntervals>();

@@ -25,16 +25,18 @@ struct Reader {
   Gathered gather(const RayPart& part, RayHint& hint, ProjectionWork& work) const {
     const VoxelRay ray{(voxelFromPatient * part.ray.origin).p, voxelFromPatient.linear * part.ray.direction.v,
                        part.rayPerDepth};
-    const double from = part.from_mm, to = part.to_mm;
     Gathered out;
     const bool sampled = !job.exact || gatherOf(job) == Gather::Extreme;
+    RayStretch along = part.along;
+    if (job.exact)
+      along.beginsInside = along.endsInside = false;  // what the search starts with is in the part
     if (sampled) {
       if (kernel)
-        kernel(*fast, ray, from, to, hint, out, work);
+        kernel(*fast, ray, along, hint, out, work);
       else if (!job.exact)
-        out = gatherGeneral(job, ray, from, to, work);
+        out = gatherGeneral(job, ray, along, work);
     }
-    return job.exact ? gatherExact(job, ray, from, to, out, work) : out;
+    return job.exact ? gatherExact(job, ray, along.from_mm, along.to_mm, out, work) : out;
   }
 };
 
@@ -85,23 +87,34 @@ void addTool(const ProjectionJob& job, const SurfaceHits::Layer& layer, Along& a
   a.share *= 1 - static_cast<double>(layer.alpha);
 }
 
-// The projection and the tools together, by the rules in the header. `end`: of the tool that ends the ray.
-glm::dvec3 combined(const ProjectionJob& job, Along& a, bool ended, const glm::dvec3& end) {
+// What a ray with data shows by itself; of Attenuation what it lets through. Sets `value` where it is not
+// yet.
+double greyOf(const ProjectionJob& job, Along& a) {
   switch (job.mode) {
     case ProjectionMode::Sum:
-      a.value = job.gain_perMm * a.integral;
-      return a.tools + a.share * end + a.value;
+      return a.value = job.gain_perMm * a.integral;
     case ProjectionMode::Attenuation:
       a.value = a.weakened;
-      return a.tools + a.share * std::exp(-a.weakened) * (ended ? end : glm::dvec3(1));
+      return std::exp(-a.weakened);
     case ProjectionMode::Mean:
       a.value = a.integral / a.length_mm;
-      a.grey = applyVoi(job.window, a.value) * a.shareLength / a.length_mm;
-      break;
+      return applyVoi(job.window, a.value) * a.shareLength / a.length_mm;
     default:
-      break;
+      return a.grey;
   }
-  return a.tools + glm::max(glm::dvec3(a.grey), a.share * end);
+}
+
+// The projection and the tools together, by the rules in the header. `end`: of the tool that ends the ray.
+glm::dvec3 combined(const ProjectionJob& job, Along& a, bool ended, const glm::dvec3& end) {
+  const double grey = greyOf(job, a);
+  switch (job.mode) {
+    case ProjectionMode::Sum:
+      return a.tools + a.share * end + grey;
+    case ProjectionMode::Attenuation:
+      return a.tools + a.share * grey * (ended ? end : glm::dvec3(1));
+    default:
+      return a.tools + glm::max(glm::dvec3(grey), a.share * end);
+  }
 }
 
 // Inverted layers in complements, so that tools keep their colours. Sum and Attenuation show on every ray.
@@ -130,24 +143,73 @@ void put(const ProjectionJob& job, Images& images, std::size_t pixel, const glm:
     images.values[pixel] = a.covered ? static_cast<float>(a.value) : std::numeric_limits<float>::quiet_NaN();
 }
 
+RayPart rayOf(const ProjectionJob& job, int x, int y) {
+  const double px = x + 0.5, py = y + 0.5;
+  return {x, y, 0, job.camera.ray(px, py), job.camera.rayPerDepth(px, py), {}};
+}
+
+// The segment in double: floats hold its ends to some 1e-5 mm, and where they are borders of what takes part
+// the plain rays beside it have them exactly.
+RayStretch stretchOf(const RaySegment& s, const RaySpan& span) {
+  constexpr double kSame = 1e-6;
+  const auto border = [&](double own, double exact) {
+    return std::abs(own - exact) <= kSame * (1 + std::abs(own)) ? exact : own;
+  };
+  RayStretch out{static_cast<double>(s.from_mm),
+                 static_cast<double>(s.to_mm),
+                 s.beginsInside,
+                 s.endsInside,
+                 span.entry_mm,
+                 span.exit_mm};
+  if (!s.beginsInside) out.from_mm = border(out.from_mm, span.entry_mm);
+  if (!s.endsInside) out.to_mm = border(out.to_mm, span.exit_mm);
+  return out;
+}
+
+// All parts of the job's appearance on a ray that meets a lens, into the first of them.
+template <class Gather>
+void drawSegments(const ProjectionJob& job, RayIntervals& rays, std::size_t pixel, RayPart part,
+                  Gather&& gather) {
+  const RaySpan span = spanOf(part.ray, job.region, job.camera.near_mm * part.rayPerDepth);
+  RaySegment* first = nullptr;
+  Along a;
+  eachSegment(rays, pixel, job.rays, [&](std::size_t n) {
+    RaySegment& segment = rays.segments[n];
+    if (!first) first = &segment;
+    part.along = stretchOf(segment, span);
+    if (!(part.along.to_mm > part.along.from_mm)) return;
+    a.share = static_cast<double>(segment.weight);
+    addPart(job, gather(part), part.along.from_mm, a);
+    ++part.passed;
+  });
+  if (!first) return;
+  first->covered = first->hasDepth = a.covered;
+  if (!a.covered) return;
+  const double grey = greyOf(job, a);
+  first->colour.fill(static_cast<float>(job.invert ? 1 - std::clamp(grey, 0.0, 1.0) : grey));
+  first->depth_mm = static_cast<float>(a.at_mm);
+}
+
 // gather(part) reads what lies between two tools.
 template <class Gather>
 void drawPixel(const ProjectionJob& job, Images& images, int x, int y, Gather&& gather) {
-  const double px = x + 0.5, py = y + 0.5;
   const std::size_t pixel =
       static_cast<std::size_t>(x) + static_cast<std::size_t>(images.width) * static_cast<std::size_t>(y);
-  RayPart part{x, y, 0, job.camera.ray(px, py), job.camera.rayPerDepth(px, py), 0, 0};
+  RayPart part = rayOf(job, x, y);
+  if (images.rays && images.rays->meetsLens(pixel))
+    return drawSegments(job, *images.rays, pixel, part, gather);
+  if (images.rays && !job.rays.drawsPlainRays()) return;
   const RaySpan span = spanOf(part.ray, job.region, job.camera.near_mm * part.rayPerDepth);
   const SurfaceHits* const tools = job.tools;
   const double end_mm = tools ? static_cast<double>(tools->end_mm[pixel]) : static_cast<double>(kNothing_mm);
   Along a;
-  part.from_mm = span.entry_mm;
+  part.along.from_mm = span.entry_mm;
   const double to = span.empty() ? span.entry_mm : std::min(span.exit_mm, end_mm);
   const auto read = [&](double until) {
-    if (span.empty() || !(until > part.from_mm)) return;
-    part.to_mm = until;
-    addPart(job, gather(part), part.from_mm, a);
-    part.from_mm = until;
+    if (span.empty() || !(until > part.along.from_mm)) return;
+    part.along.to_mm = until;
+    addPart(job, gather(part), part.along.from_mm, a);
+    part.along.from_mm = until;
   };
   if (tools)
     for (std::uint32_t n = tools->first[pixel]; n < tools->first[pixel + 1]; ++n) {
@@ -169,6 +231,9 @@ Result<void> fit(const ProjectionJob& job, Images& images) {
   const std::size_t n = static_cast<std::size_t>(images.width) * static_cast<std::size_t>(images.height);
   if (!job.volume || job.volume->isColour())
     return makeError(ErrorCode::Internal, "The job has no grey volume.", "drawProjection");
+  if (images.rays && images.rays->first.size() != n + 1)
+    return makeError(ErrorCode::Internal, "The rays are cut for a picture of another size.",
+                     "drawProjection");
   images.colour.resize(4 * n);
   images.depth.resize(n);
   if (!images.values.empty()) images.values.resize(n);
@@ -199,6 +264,15 @@ Steps stepsOf(double from_mm, double to_mm, double step_mm, bool extreme) {
   const auto last = static_cast<std::int64_t>(std::ceil(to_mm / step_mm)) - 1;
   const Steps met{first, std::max<std::int64_t>(1, last - first + 1)};
   return extreme ? Steps{met.first - 1, met.count + 2} : met;
+}
+
+Steps stepsOf(const RayStretch& s, double step_mm, bool extreme) {
+  const Steps met = stepsOf(s.from_mm, s.to_mm, step_mm, extreme);
+  if (!extreme) return met;
+  const auto middleFrom = [&](double t) { return static_cast<std::int64_t>(std::ceil(t / step_mm - 0.5)); };
+  const std::int64_t first = s.beginsInside ? middleFrom(s.from_mm) : met.first;
+  const std::int64_t beyond = s.endsInside ? middleFrom(s.to_mm) : met.first + met.count;
+  return {first, std::max<std::int64_t>(0, beyond - first)};
 }
 
 Result<void> drawProjection(const ProjectionJob& job, Images& images, std::stop_token stop) {

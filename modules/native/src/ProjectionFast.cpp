@@ -22,6 +22,7 @@ struct Part {
   const FastProjection& p;
   const VoxelRay& ray;
   double from, to;
+  double least, most;  // where samples may lie
   Steps steps;
   CueAlong cue;
   float best = kNever;  // score, or cued grey
@@ -34,7 +35,8 @@ struct Block {
   double t = 0;
   std::int64_t whole[3] = {0, 0, 0};
   float part[3] = {0, 0, 0};
-  float begin = 0, end = 0;
+  float begin = 0, end = 0, least = 0, most = 0;
+  float lanes = 0;  // that are steps of the part
   bool cut = false;
 };
 
@@ -50,6 +52,8 @@ HWY_INLINE Block BlockAt(const Part& r, std::int64_t block) {
     b.part[a] = static_cast<float>(at[a] - whole);
   }
   b.begin = static_cast<float>(r.from - b.t), b.end = static_cast<float>(r.to - b.t);
+  b.least = static_cast<float>(r.least - b.t), b.most = static_cast<float>(r.most - b.t);
+  b.lanes = static_cast<float>(r.steps.count - block * kBlock);
   // The samples of the last two steps of an extremum may lie beyond the part's end.
   b.cut = block == 0 || (block + 1) * kBlock + 1 >= r.steps.count;
   return b;
@@ -59,21 +63,22 @@ struct Lanes {
   V t, weight;  // mm from the block's first sample; mm that the sample stands for
 };
 
-// Extrema: the sample is moved to the part's end where it lies beyond. Integrals: to the middle of what the
-// part has of the step.
+// Extrema: the sample is moved to the part's end where it lies beyond a border. Integrals: to the middle of
+// what the part has of the step.
 template <Gather kG>
 HWY_INLINE Lanes LanesOf(const Part& r, const Block& b, int first) {
   const D d;
   const V step = hn::Set(d, static_cast<float>(r.p.job->step_mm));
   const V t = hn::Mul(hn::Iota(d, static_cast<float>(first)), step);
   const V begin = hn::Set(d, b.begin), end = hn::Set(d, b.end);
+  const V least = hn::Set(d, b.least), most = hn::Set(d, b.most);
   if constexpr (kG == Gather::Extreme || kG == Gather::Cued)
-    return {b.cut ? hn::Min(hn::Max(t, begin), end) : t, step};
+    return {b.cut ? hn::Min(hn::Max(t, least), most) : t, step};
   if (!b.cut) return {t, step};
-  const V half = hn::Mul(step, hn::Set(d, 0.5f));
-  const V low = hn::Min(hn::Max(hn::Sub(t, half), begin), end);
-  const V high = hn::Min(hn::Max(hn::Add(t, half), begin), end);
-  return {hn::Mul(hn::Add(low, high), hn::Set(d, 0.5f)), hn::Sub(high, low)};
+  const V half = hn::Mul(step, hn::Set(d, 0.5f)), front = hn::Sub(t, half), back = hn::Add(t, half);
+  const auto within = [](V v, V low, V high) { return hn::Min(hn::Max(v, low), high); };
+  return {hn::Mul(hn::Add(within(front, least, most), within(back, least, most)), hn::Set(d, 0.5f)),
+          hn::Sub(within(back, begin, end), within(front, begin, end))};
 }
 
 struct Place {
@@ -148,16 +153,16 @@ HWY_NOINLINE V Redo(const Part& r, const Block& b, V t, V w, M redo, M& active) 
 
 // w of the lanes that may matter: those whose bound passes `least`. False: none does.
 template <class T, bool kHoles>
-HWY_INLINE bool ReadLanes(const Part& r, const Block& b, V t, float least, V& w, M& active) {
+HWY_INLINE bool ReadLanes(const Part& r, const Block& b, int first, V t, float least, V& w, M& active) {
   const D d;
   const FastProjection& p = r.p;
   const Place at = PlaceOf(r, b, t);
-  active = hn::Eq(t, t);
+  active = hn::Lt(hn::Iota(d, static_cast<float>(first)), hn::Set(d, b.lanes));
   if (p.fine) {
     const VI index = FineIndex(p, b, at);
     const V bound =
         hn::MulAdd(hn::GatherIndex(d, p.fine, index), hn::Set(d, p.boundScale), hn::Set(d, p.boundOffset));
-    active = hn::Gt(bound, hn::Set(d, least));
+    active = hn::And(active, hn::Gt(bound, hn::Set(d, least)));
     if (hn::AllFalse(d, active)) return false;
     w = Trilinear<T>(p, b, at);
     if constexpr (kHoles) {
@@ -165,6 +170,7 @@ HWY_INLINE bool ReadLanes(const Part& r, const Block& b, V t, float least, V& w,
       if (!hn::AllFalse(d, redo)) w = Redo<T>(r, b, t, w, redo, active);
     }
   } else {
+    if (hn::AllFalse(d, active)) return false;
     w = Trilinear<T>(p, b, at);
   }
   r.work.samples += hn::CountTrue(d, active);
@@ -185,7 +191,7 @@ HWY_INLINE void TakeBlock(Part& r, std::int64_t block, float least) {
     const Lanes lanes = LanesOf<kG>(r, b, first);
     V w;
     M active;
-    if (!ReadLanes<T, kHoles>(r, b, lanes.t, least, w, active)) continue;
+    if (!ReadLanes<T, kHoles>(r, b, first, lanes.t, least, w, active)) continue;
     V score = hn::Mul(w, hn::Set(d, r.p.sign));
     if constexpr (kG == Gather::Cued) {
       const V t = hn::Add(lanes.t, hn::Set(d, static_cast<float>(b.t)));
@@ -266,9 +272,19 @@ HWY_INLINE float CuedBound(const Part& r, std::int64_t block, float score) {
 }
 
 template <class T, Gather kG, bool kHoles>
-void Extreme(const FastProjection& p, const VoxelRay& ray, double from, double to, RayHint& hint,
-             Gathered& out, ProjectionWork& work) {
-  Part r{p, ray, from, to, stepsOf(from, to, p.job->step_mm, true), cueAlong(*p.job, ray), kNever, 0, work};
+void Extreme(const FastProjection& p, const VoxelRay& ray, const RayStretch& s, RayHint& hint, Gathered& out,
+             ProjectionWork& work) {
+  Part r{p,
+         ray,
+         s.from_mm,
+         s.to_mm,
+         s.from_mm,
+         s.to_mm,
+         stepsOf(s, p.job->step_mm, true),
+         cueAlong(*p.job, ray),
+         kNever,
+         0,
+         work};
   const std::int64_t blocks = (r.steps.count + kBlock - 1) / kBlock;
   const float* const bounds = BlockBounds(r, blocks);
   const auto boundOf = [&](std::int64_t b) {
@@ -293,10 +309,11 @@ void Extreme(const FastProjection& p, const VoxelRay& ray, double from, double t
 
 // Emission: grey by mm. Mean: w by mm, and the mm that have data.
 template <class T, Gather kG, bool kHoles>
-void Integral(const FastProjection& p, const VoxelRay& ray, double from, double to, RayHint&, Gathered& out,
+void Integral(const FastProjection& p, const VoxelRay& ray, const RayStretch& s, RayHint&, Gathered& out,
               ProjectionWork& work) {
   const D d;
-  Part r{p, ray, from, to, stepsOf(from, to, p.job->step_mm, false), {}, kNever, 0, work};
+  Part r{p,  ray,    s.from_mm, s.to_mm, s.least_mm(), s.most_mm(), stepsOf(s, p.job->step_mm, false),
+         {}, kNever, 0,         work};
   const std::int64_t blocks = (r.steps.count + kBlock - 1) / kBlock;
   // A score that still emits nothing; a mean needs every value.
   const float dark = kG == Gather::Emission ? -p.greyOffset / p.greyScale : kNever;
@@ -309,7 +326,7 @@ void Integral(const FastProjection& p, const VoxelRay& ray, double from, double 
       const Lanes lanes = LanesOf<kG>(r, b, first);
       V w;
       M active;
-      if (!ReadLanes<T, kHoles>(r, b, lanes.t, dark, w, active)) continue;
+      if (!ReadLanes<T, kHoles>(r, b, first, lanes.t, dark, w, active)) continue;
       const V value = kG == Gather::Emission ? GreyOf(p, hn::Mul(w, hn::Set(d, p.sign))) : w;
       sum = hn::Add(sum, hn::IfThenElseZero(active, hn::Mul(value, lanes.weight)));
       if constexpr (kG == Gather::Mean) length = hn::Add(length, hn::IfThenElseZero(active, lanes.weight));
@@ -317,7 +334,7 @@ void Integral(const FastProjection& p, const VoxelRay& ray, double from, double 
   }
   const double total = static_cast<double>(hn::GetLane(hn::SumOfLanes(d, sum)));
   if constexpr (kG == Gather::Emission) {
-    out.integral = total, out.length_mm = to - from;
+    out.integral = total, out.length_mm = s.to_mm - s.from_mm;
   } else {
     out.length_mm = static_cast<double>(hn::GetLane(hn::SumOfLanes(d, length)));
     out.integral = p.slope * total + (p.slope * p.read.bias + p.intercept) * out.length_mm;

@@ -30,8 +30,8 @@ struct FastProjection {
 
 std::optional<FastProjection> fastProjectionOf(const ProjectionJob&);
 
-using FastKernel = void (*)(const FastProjection&, const VoxelRay&, double from_mm, double to_mm, RayHint&,
-                            Gathered&, ProjectionWork&);
+using FastKernel = void (*)(const FastProjection&, const VoxelRay&, const RayStretch&, RayHint&, Gathered&,
+                            ProjectionWork&);
 FastKernel fastKernelFor(const FastProjection&);
 
 }  // namespace vernier::native

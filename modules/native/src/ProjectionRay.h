@@ -56,7 +56,7 @@ struct RayHint {
 };
 
 // Samples in double with every rule of the grid.
-Gathered gatherGeneral(const ProjectionJob&, const VoxelRay&, double from_mm, double to_mm, ProjectionWork&);
+Gathered gatherGeneral(const ProjectionJob&, const VoxelRay&, const RayStretch&, ProjectionWork&);
 // Cell by cell; `start`: an extremum that is known to be reached, from a sampled pass (NaN: none).
 Gathered gatherExact(const ProjectionJob&, const VoxelRay&, double from_mm, double to_mm,
                      const Gathered& start, ProjectionWork&);

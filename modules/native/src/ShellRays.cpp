@@ -36,6 +36,21 @@ ShellRay::Cap capAt(const ShellsJob& job, const PatientRay& ray, double t_mm, do
   return {static_cast<int>(above - job.shells.begin()) - 1, t_mm, cosine};
 }
 
+// Between the ray and the face of a lens at one of its points.
+double cosineAt(const ShellsJob& job, const PatientRay& ray, double t_mm) {
+  double nearest = kInfinity, cosine = 1;
+  for (const auto& lens : job.lenses) {
+    const HalfSpace* outermost = nullptr;
+    double most = -kInfinity;
+    for (const HalfSpace& h : lens->planes)
+      if (const double d = h.distance_mm(ray.at(t_mm)); d > most) most = d, outermost = &h;
+    if (!outermost || !(std::abs(most) < nearest)) continue;
+    nearest = std::abs(most);
+    cosine = std::abs(dot(outermost->normal, ray.direction));
+  }
+  return cosine;
+}
+
 }  // namespace
 
 bool isCut(const ShellsJob& job) {
@@ -65,6 +80,27 @@ ShellRay shellRay(const ShellsJob& job, double x, double y) {
   if (!(std::max(cut.from, box.from) <= std::min(cut.to, box.to))) return out;
   if (cutBegin) out.caps[0] = capAt(job, ray, cut.from, cut.fromCosine);
   if (cutEnd) out.caps[1] = capAt(job, ray, cut.to, cut.toCosine);
+  return out;
+}
+
+ShellRay shellRay(const ShellsJob& job, double x, double y, std::span<const RaySegment> segments,
+                  std::size_t index) {
+  const RaySegment& s = segments[index];
+  const PatientRay ray = job.camera.ray(x, y);
+  ShellRay out = shellRay(job, x, y);
+  const auto isTool = [](const RaySegment& other) { return other.appearance < 0; };
+  const auto cap = [&](double t_mm) {
+    return capAt(job, ray, t_mm, job.mode == ShellsMode::Lit ? cosineAt(job, ray, t_mm) : 1);
+  };
+  const double from = static_cast<double>(s.from_mm), to = static_cast<double>(s.to_mm);
+  if (s.beginsInside) {
+    out.from_mm = from;
+    out.caps[0] = index > 0 && isTool(segments[index - 1]) ? ShellRay::Cap{} : cap(from);
+  }
+  if (s.endsInside) {
+    out.to_mm = to;
+    out.caps[1] = index + 1 < segments.size() && isTool(segments[index + 1]) ? ShellRay::Cap{} : cap(to);
+  }
   return out;
 }
 

@@ -166,6 +166,8 @@ Result<std::vector<PlacedLens>> lensesBefore(std::size_t layer, const PlanContex
     Result<std::shared_ptr<const ConvexRegion>> region =
         guarded(technique.name, [&] { return technique.region(*lens, context.sources); });
     if (!region) return fault(n, "shape", region.error().sentence);
+    if (!(*region)->notice.empty())
+      notes.push_back("layer " + std::to_string(n) + " (lens): " + (*region)->notice);
     const bool shows = slice ? crossesPlane(**region, slice->plane) : meets(**region, seen, boxCorners(grid));
     if (shows)
       out.push_back({*region, n});

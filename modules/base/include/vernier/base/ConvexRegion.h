@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "vernier/base/HalfSpace.h"
@@ -17,6 +18,8 @@ struct ConvexRegion {
   std::vector<PatientPoint> corners;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> planeOf;  // the plane of each triangle
+  // What its maker left out of the shape that was asked for, to be said with the plan; "": nothing.
+  std::string notice;
 
   bool contains(PatientPoint p) const {
     for (const HalfSpace& h : planes)

@@ -23,11 +23,13 @@ namespace vernier::native {
 
 inline constexpr std::size_t kAnalyticFacets = 16;
 
+struct LensSpans;
 struct LensRaysJob {
   CameraPicture camera;
   std::vector<HalfSpace> region;                            // keptRegion()
   std::vector<std::shared_ptr<const ConvexRegion>> lenses;  // appearance n is the n-th from 1; the later wins
   const SurfaceHits* tools = nullptr;                       // of the same camera; null: none
+  const std::vector<LensSpans>* known = nullptr;            // of each lens; null: they are found here
 };
 
 // Where the lines of all pixels enter and leave one lens, mm; empty (entry > exit) where they miss it. Lines,

@@ -22,6 +22,13 @@
 //   invert       in complements: tools' colours c become 1 - c, then the pixel becomes 1 - pixel
 // A ray without data: K + E, or K + T times the scene's background; Sum and Attenuation as above.
 //
+// In a picture with lenses (Images::rays, plan/RayIntervals.h) rays that meet none are drawn so, where
+// ProjectionJob::rays says it. Of the others the parts of its appearance are gathered, each weakened by its
+// weight, with the samples and steps that the whole ray would have; a sample of an extremum belongs to the
+// part that holds the middle of its step, a step of an integral to both sides by their shares. What they come
+// to together stands in the first of them: the grey before tools and background, of Attenuation what is let
+// through.
+//
 // Frames: Pixel (centres at half-integers, row 0 on top), rays in patient mm by CameraPicture. Threads: tiles
 // by parallelFor, every pixel by itself: bit-equal for any number of threads. The stop token is read once per
 // row of a tile. Errors: Cancelled; Internal for a job that whyNot..() names.
@@ -34,6 +41,7 @@
 #include <vector>
 
 #include "vernier/native/Surfaces.h"
+#include "vernier/plan/RayIntervals.h"
 #include "vernier/plan/Volumetric.h"
 #include "vernier/volume/Volume.h"
 
@@ -61,6 +69,7 @@ struct ProjectionJob {
   bool exact = false;
   Rgb background;
   const SurfaceHits* tools = nullptr;  // of the same camera; null: none
+  RaysOfPass rays;                     // of a picture with lenses: what is drawn of it
 };
 
 // True when the SIMD kernel will sample the job; for cost models and tests.
@@ -71,7 +80,7 @@ VERNIER_API std::string whyNotExact(const ProjectionJob&);
 // Fills colour, depth (mm along the ray: Max and Min where the extremum lies, or the tool that ends the ray
 // when it is what is seen; else where the ray enters) and, when they have been allocated, values (Max, Min,
 // Mean: modality; Sum, Attenuation: gain times the integral).
-// Writes every pixel. Adds samples and cells to the counters.
+// Writes every pixel, in a picture with lenses those that meet none. Adds samples and cells to the counters.
 VERNIER_API Result<void> drawProjection(const ProjectionJob&, Images&, std::stop_token = {});
 
 // What one part of a ray, [from_mm, to_mm], amounts to. Extrema: `best` in modality values, NaN where no data
@@ -83,13 +92,25 @@ struct Gathered {
   double integral = 0, length_mm = 0;
 };
 
+// A stretch of a ray. One that begins or ends inside is cut out of a longer one, [begin_mm, end_mm], and
+// keeps its samples where they are.
+struct RayStretch {
+  double from_mm = 0, to_mm = 0;
+  bool beginsInside = false, endsInside = false;
+  double begin_mm = 0, end_mm = 0;
+
+  // Beyond these no sample lies, and the step that holds one of them is cut there.
+  double least_mm() const { return beginsInside ? begin_mm : from_mm; }
+  double most_mm() const { return endsInside ? end_mm : to_mm; }
+};
+
 // For engines that read the volume by themselves: the same parts of rays, joined by the same rules.
 struct RayPart {
   int x = 0, y = 0;        // pixel
-  std::size_t passed = 0;  // translucent tools that the ray has passed before
+  std::size_t passed = 0;  // parts of the ray before it, or translucent tools that the ray has passed
   PatientRay ray;
   double rayPerDepth = 1;
-  double from_mm = 0, to_mm = 0;
+  RayStretch along;
 };
 using PartReader = std::function<Gathered(const RayPart&)>;
 // As above, but for the samples and the counters. The reader is called from many threads, for each part of a
@@ -99,10 +120,11 @@ VERNIER_API Result<void> drawProjection(const ProjectionJob&, const PartReader&,
 
 // The steps of the lattice that a part meets: step k covers [k, k + 1) * step_mm and is sampled at its
 // middle, cut steps at the middle of what is left of them. Extrema take the steps before and behind too:
-// their samples are moved to the part's ends.
+// their samples are moved to the part's ends; where it begins or ends inside, steps whose middle it holds.
 struct Steps {
   std::int64_t first = 0, count = 0;
 };
 VERNIER_API Steps stepsOf(double from_mm, double to_mm, double step_mm, bool extreme);
+VERNIER_API Steps stepsOf(const RayStretch&, double step_mm, bool extreme);
 
 }  // namespace vernier::native

@@ -12,6 +12,11 @@
 // by SurfaceBlend::Max, is seen where it is brighter; a translucent one multiplies what is behind it by 1 -
 // alpha and adds its own colour.
 //
+// In a picture with lenses (Images::rays, plan/RayIntervals.h) rays that meet none are drawn so, where
+// ShellsJob::rays says it. Of the others the crossings of each part of its appearance are taken; where a lens
+// face cuts shells open they are capped as above, but not where a tool ends the part. Max and Sum gather over
+// all parts, dimmed by their weights; Lit shells end the light of a part.
+//
 // Pixels are sampled at their centres in double (Surfaces.h), spread over tiles with parallelFor: the same
 // bits for any number of threads. Checks the stop token per tile (Cancelled). OutOfMemory by guarded()
 // callers.
@@ -23,6 +28,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "vernier/base/ConvexRegion.h"
 #include "vernier/base/HalfSpace.h"
 #include "vernier/native/Surfaces.h"
 #include "vernier/plan/Volumetric.h"
@@ -46,6 +52,8 @@ struct ShellsJob {
   SurfaceBlend surfaceBlend = SurfaceBlend::Replace;
   std::vector<HalfSpace> kept;  // keptRegion: the volume's box, then what cuts
   std::vector<PlacedSurface> tools;
+  RaysOfPass rays;                                          // of a picture with lenses: what is drawn of it
+  std::vector<std::shared_ptr<const ConvexRegion>> lenses;  // for the light on Lit caps
 
   double brightness(double phi, double depth_mm) const {
     const double z = ramp.at(std::clamp(depth_mm, ramp.near_mm, ramp.far_mm));
@@ -73,6 +81,9 @@ struct ShellRay {
   std::array<Cap, 2> caps;        // at the beginning and at the end
 };
 VERNIER_API ShellRay shellRay(const ShellsJob&, double x, double y);
+// The same for one segment of the pixel's ray, an index into its segments.
+VERNIER_API ShellRay shellRay(const ShellsJob&, double x, double y, std::span<const RaySegment>,
+                              std::size_t index);
 
 // The tools of one pixel.
 struct VERNIER_API ToolsOnRay {
