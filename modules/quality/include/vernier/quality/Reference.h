@@ -113,6 +113,9 @@ struct ReferenceOptions {
   // By the layer's place in the scene: what a plugin says of its own layers (Technique::truth). Such a layer
   // lies over those before it and adds no pixels to the population, unless the scene has no other layer.
   std::map<std::size_t, PixelTruth> truths = {};
+  // The scene's lenses in their places, those that show (Plan::lenses), `layer` as in this scene. A scene with
+  // lenses is refused (NotBuiltYet) where they are absent; those that are not in the list show nothing.
+  std::optional<std::vector<PlacedLens>> lenses = std::nullopt;
 };
 
 struct ReferencePixel {
