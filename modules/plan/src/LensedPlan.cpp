@@ -163,7 +163,8 @@ Result<std::vector<PlacedLens>> lensesBefore(std::size_t layer, const PlanContex
   for (std::size_t n = 0; n < context.scene.layers.size(); ++n) {
     const auto* lens = std::get_if<LensLayer>(&context.scene.layers[n]);
     if (!lens) continue;
-    if (std::string why = whyNotInside(base, lens->inner, inverted); !why.empty()) return fault(n, "inner", why);
+    if (std::string why = whyNotInside(base, lens->inner, inverted); !why.empty())
+      return fault(n, "inner", why);
     if (const Result<void> ok = checkPose(lens->pose); !ok) return fault(n, "pose", ok.error().sentence);
     Result<std::shared_ptr<const ConvexRegion>> region =
         guarded(technique.name, [&] { return technique.region(*lens, context.sources); });

@@ -93,8 +93,8 @@ PartSeen IsosurfaceReference::part(const VolumeRay& ray) const {
 
 EdgeMark::Hit IsosurfaceReference::markOf(const Hit& hit, const VolumeRay& ray) {
   const double size = glm::length(hit.gradient);
-  EdgeMark::Hit mark{hit.face ? std::size_t{1} : 0, hit.t_mm,
-                     size > 0 ? hit.gradient / size : glm::dvec3(0), 1};
+  EdgeMark::Hit mark{hit.face ? std::size_t{1} : 0, hit.t_mm, size > 0 ? hit.gradient / size : glm::dvec3(0),
+                     1};
   if (hit.face && hit.t_mm - ray.begin_mm <= kJoint_mm) mark.normal = ray.beginNormal;
   return mark;
 }

@@ -47,7 +47,8 @@ std::vector<LensPart> cutAtLenses(const VolumeRay& ray, const std::vector<Placed
   std::vector<Within> inside;
   std::vector<Cut> cuts;
   const auto cutAt = [&](double t_mm, glm::dvec3 normal) {
-    if (t_mm > ray.begin_mm + kShortest_mm && t_mm < ray.end_mm - kShortest_mm) cuts.push_back({t_mm, normal});
+    if (t_mm > ray.begin_mm + kShortest_mm && t_mm < ray.end_mm - kShortest_mm)
+      cuts.push_back({t_mm, normal});
   };
   for (const PlacedLens& lens : lenses) {
     inside.push_back(within(*lens.region, ray.line));

@@ -42,8 +42,7 @@ class LensReference {
   Parts cut(glm::dvec2 pixel) const;
   bool goOn(std::size_t a, std::size_t b) const;
   PartSeen orderedPart(std::size_t appearance, const VolumeRay&) const;
-  PartMark markPart(std::size_t appearance, const VolumeRay&, double left,
-                    std::vector<EdgeMark::Hit>&) const;
+  PartMark markPart(std::size_t appearance, const VolumeRay&, double left, std::vector<EdgeMark::Hit>&) const;
   std::vector<Gathering> gatherings(const Parts&) const;
 
   std::vector<PlacedLens> lenses_;

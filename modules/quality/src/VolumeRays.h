@@ -33,8 +33,8 @@ struct VolumeRay {
   glm::dvec3 beginNormal{0, 0, 1};  // of what it begins at, patient, unit
   // The ray goes on there with the same level sets, so that none is cut open.
   bool beginsOpen = false, endsOpen = false;
-  std::vector<RayTool> tools;       // translucent, before the first opaque one, nearest first
-  std::vector<double> through;      // what is left of light behind none, one, ... all of them
+  std::vector<RayTool> tools;   // translucent, before the first opaque one, nearest first
+  std::vector<double> through;  // what is left of light behind none, one, ... all of them
   std::optional<RayTool> opaque;
   std::size_t opaqueLayer = 0;
 
@@ -70,9 +70,9 @@ struct PartSeen {
 
 // What tells whether an edge runs between a part of a ray and that of a neighbour.
 struct PartMark {
-  bool shown = false;    // the layer shows something there
-  bool bordered = true;  // its ends may be seen
-  double left = 1;       // of light, as far as is known
+  bool shown = false;                                       // the layer shows something there
+  bool bordered = true;                                     // its ends may be seen
+  double left = 1;                                          // of light, as far as is known
   double end_mm = std::numeric_limits<double>::infinity();  // nothing behind is seen
 };
 

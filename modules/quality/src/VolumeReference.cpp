@@ -250,8 +250,7 @@ void VolumeReference::markSteps(Walk& walk) const {
   rays_.alongBricks(
       walk.ray, [&](std::size_t brick) { return showing_[brick] != 0; },
       [&](const RayPart& part) {
-        return blendPart(part, walk) && walk.light.left >= EdgeMark::kFound &&
-               walk.hits->size() < kMostHits;
+        return blendPart(part, walk) && walk.light.left >= EdgeMark::kFound && walk.hits->size() < kMostHits;
       });
 }
 

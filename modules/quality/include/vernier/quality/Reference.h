@@ -67,8 +67,8 @@
 // above; without alpha it is 1 times its gain. Max, min: of each channel by itself, opaque where it is first
 // reached; alpha takes no part. They are not shaded.
 // Lenses. The ray's span is cut where it enters and leaves each lens, in double from its half-spaces, however
-// many; where lenses overlap the later layer rules, and what is shorter than 1e-9 mm belongs to its neighbour.
-// Between two cuts one appearance rules: the layer's own or a lens's inside. On rays:
+// many; where lenses overlap the later layer rules, and what is shorter than 1e-9 mm belongs to its
+// neighbour. Between two cuts one appearance rules: the layer's own or a lens's inside. On rays:
 //   Ordered       volumes (blend), iso-surfaces, Lit shells: each stretch between two cuts or tools by
 //                 itself, C and t, an iso-surface with its faces, Lit shells with their caps; joined with
 //                 the translucent tools front to back
@@ -136,8 +136,8 @@ struct ReferenceOptions {
   // By the layer's place in the scene: what a plugin says of its own layers (Technique::truth). Such a layer
   // lies over those before it and adds no pixels to the population, unless the scene has no other layer.
   std::map<std::size_t, PixelTruth> truths = {};
-  // The scene's lenses in their places, those that show (Plan::lenses), `layer` as in this scene. A scene with
-  // lenses is refused (NotBuiltYet) where they are absent; those that are not in the list show nothing.
+  // The scene's lenses in their places, those that show (Plan::lenses), `layer` as in this scene. A scene
+  // with lenses is refused (NotBuiltYet) where they are absent; those that are not in the list show nothing.
   std::optional<std::vector<PlacedLens>> lenses = std::nullopt;
 };
 
