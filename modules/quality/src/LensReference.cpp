@@ -106,6 +106,14 @@ Result<LensReference> LensReference::make(const Scene& scene, std::size_t base, 
     if (!inside) return inside.error();
     r.appearances_.push_back(*std::move(inside));
   }
+  for (std::size_t n = 0; n < r.appearances_.size(); ++n) {
+    r.groups_.push_back(n);
+    const auto* one = std::get_if<ProjectionReference>(&r.appearances_[n]);
+    for (std::size_t k = n + 1; one && k < r.appearances_.size(); ++k)
+      if (const auto* other = std::get_if<ProjectionReference>(&r.appearances_[k]);
+          other && one->sameMean(*other))
+        r.groups_[n] = k;
+  }
   return r;
 }
 
@@ -128,10 +136,11 @@ bool LensReference::goOn(std::size_t a, std::size_t b) const {
   return one && other && one->lit() == other->lit() && one->sameLevels(*other);
 }
 
-std::vector<VolumeRay> LensReference::Parts::of(std::size_t appearance) const {
+std::vector<VolumeRay> LensReference::Parts::of(std::size_t group,
+                                                const std::vector<std::size_t>& groups) const {
   std::vector<VolumeRay> out;
   for (std::size_t n = 0; n < parts.size(); ++n)
-    if (appearances[n] == appearance) out.push_back(parts[n]);
+    if (groups[appearances[n]] == group) out.push_back(parts[n]);
   return out;
 }
 
@@ -150,11 +159,11 @@ LensReference::Parts LensReference::cut(glm::dvec2 pixel) const {
 std::vector<Gathering> LensReference::gatherings(const Parts& p) const {
   std::vector<Gathering> all;
   for (std::size_t n = 0; n < appearances_.size(); ++n) {
-    if (ordered(n)) continue;
+    if (ordered(n) || groups_[n] != n) continue;
     if (const auto* projection = std::get_if<ProjectionReference>(&appearances_[n]))
-      all.push_back(projection->gathered(p.whole, p.of(n)));
+      all.push_back(projection->gathered(p.whole, p.of(n, groups_)));
     if (const auto* shells = std::get_if<ShellsReference>(&appearances_[n]))
-      all.push_back(shells->gathered(p.whole, p.of(n)));
+      all.push_back(shells->gathered(p.whole, p.of(n, groups_)));
   }
   return all;
 }
@@ -173,8 +182,9 @@ VolumeSeen LensReference::seen(glm::dvec2 pixel) const {
   // Commuting appearances: the background of all that is ordered.
   const std::vector<Gathering> all = gatherings(p);
   const std::vector<const Gathering*> shown = shownOf(all);
+  // Where nothing is gathered, what the outside has behind it.
   glm::dvec3 bare = background_;
-  if (!all.empty() && !ordered(0)) bare = all.front().bare;
+  if (!ordered(0) && groups_[0] == 0) bare = all.front().bare;
   const glm::dvec3 behind = shown.empty() ? ray.backdrop(bare) : joined(shown, ray);
   // Front to back: tools and ordered parts.
   VolumeSeen out;

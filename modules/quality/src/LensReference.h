@@ -37,7 +37,7 @@ class LensReference {
     VolumeRay whole;
     std::vector<VolumeRay> parts;
     std::vector<std::size_t> appearances;
-    std::vector<VolumeRay> of(std::size_t appearance) const;
+    std::vector<VolumeRay> of(std::size_t group, const std::vector<std::size_t>& groups) const;
   };
   Parts cut(glm::dvec2 pixel) const;
   bool goOn(std::size_t a, std::size_t b) const;
@@ -47,6 +47,8 @@ class LensReference {
 
   std::vector<PlacedLens> lenses_;
   std::vector<Appearance> appearances_;  // the outside, then the lenses
+  // The appearance that each is gathered with: the last that is the same mean, else itself.
+  std::vector<std::size_t> groups_;
   glm::dvec3 background_{0};
 };
 

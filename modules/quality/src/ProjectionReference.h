@@ -15,6 +15,11 @@ class ProjectionReference {
   // Whether voxels of these values, or fewer of them, can show other than nothing.
   bool contributes(const LocalRange&) const;
   bool inverted() const { return invert_; }
+  // Two means of the same values, which are one mean over the parts of both.
+  bool sameMean(const ProjectionReference& other) const {
+    return layer_.mode == ProjectionMode::Mean && other.layer_.mode == ProjectionMode::Mean &&
+           layer_.interpolation == other.layer_.interpolation && rays_.window() == other.rays_.window();
+  }
   // Of all its parts of a ray with lenses, which have the ray's tools.
   Gathering gathered(const VolumeRay& whole, std::span<const VolumeRay> parts) const;
   PartMark mark(const VolumeRay& part) const;

@@ -77,7 +77,8 @@
 //                 pixel is C of ordered and tools + (product of all t) * (what is gathered, with E)
 //   Several       gathered ones join where all that show something are Max (projections and shells), all
 //                 Min, all Sum or all Attenuation: the greatest, the least, the sum, the product, with one E.
-//                 Else, and of Means, the last in the scene's order shows as if it were alone
+//                 Means of the same window are one over the stretches of both. Else the last in the
+//                 scene's order shows as if it were alone
 //   Attenuation   weakens the colours of tools behind it too, not what is ordered
 //   Sum           E without an opaque tool is T times the background where a projection is among them,
 //                 0 where all are shells
