@@ -1,56 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The reference with lenses: closed forms, intervals, what changes nothing, what is refused.
+// The reference with lenses: closed forms, intervals, what changes nothing.
 #include <cmath>
-#include <limits>
 
-#include "ConvexBox.h"
-#include "Layers.h"
-#include "Population.h"
+#include "LensScenes.h"
 #include "VolumeBrute.h"
 
 namespace vernier::quality {
 namespace {
 
 using namespace vernier::test;
-
-constexpr double kRamp[4] = {0, 1, 2, 3};  // the value is y
-constexpr double kOne[4] = {1, 1, 1, 1};
-
-struct LensScene : VolumeScene {
-  ReferenceOptions options;
-  // Before the first lens: none.
-  LensScene(VolumeScene s) : VolumeScene(std::move(s)) { options.lenses.emplace(); }
-  void lens(std::shared_ptr<const ConvexRegion> region, LensInner inner) {
-    options.lenses->push_back({std::move(region), scene.layers.size()});
-    LensLayer layer;
-    layer.inner = std::move(inner);
-    scene.layers.emplace_back(layer);
-  }
-  // Holds y from `from` to `to`.
-  void sheetLens(double from, double to, LensInner inner) {
-    lens(boxRegion({-50, from, -50}, {50, to, 50}), std::move(inner));
-  }
-  Result<std::vector<ReferencePixel>> pixels(const std::vector<std::size_t>& at) const {
-    return referencePixels(scene, view, sources, at, options);
-  }
-  void expect(glm::dvec3 is, double within = 1e-9) const {
-    const auto got = pixels({0});
-    ASSERT_TRUE(got.ok()) << got.error().text();
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR((*got)[0].rgba[c], is[c], within) << "channel " << c;
-  }
-};
-
-VolumeLayer blendOf(glm::dvec3 colour, double opacity) {
-  VolumeLayer v;
-  v.source = "v", v.transfer = TransferFunction{{{0, colour}}, {{0, opacity}}, 1};
-  return v;
-}
-ProjectionLayer projectionOf(ProjectionMode mode, double gain = 0.1) {
-  ProjectionLayer p;
-  p.source = "v", p.mode = mode, p.gain_perMm = gain;
-  p.window = VoiWindow{2, 4, VoiFunction::LinearExact, ""};  // a quarter of the value
-  return p;
-}
 
 // In front of the lens, inside and behind: exponentials, with faces anywhere.
 TEST(LensReference, AConstantVolumeIsThreeExponentials) {
@@ -239,6 +197,61 @@ TEST(LensReference, AnInsideLikeTheOutsideChangesNothing) {
           << "kind " << n % 12 << ", scene " << n << ", pixel " << at[k];
   }
   EXPECT_EQ(compared, 260 * 33);
+}
+
+// A wheel of ten thousand faces around the ray's axis; one thinner than a voxel; one that lies beside the
+// ray, behind the eye, around everything.
+TEST(LensReference, AwkwardLenses) {
+  const double plain = 1 - std::pow(0.7, 3);
+  const auto around = [](int faces, double from, double to, double radius) {
+    auto r = std::make_shared<ConvexRegion>();
+    for (int f = 0; f < faces; ++f) {
+      const double a = 2 * 3.14159265358979 * f / faces;
+      const glm::dvec3 n(std::cos(a), 0, std::sin(a));
+      r->planes.push_back({PatientVec(n), glm::dot(n, glm::dvec3(0.5, 0, 0.5)) + radius});
+    }
+    r->planes.push_back({PatientVec(0, -1, 0), -from});
+    r->planes.push_back({PatientVec(0, 1, 0), to});
+    return r;
+  };
+  const auto with = [&](std::shared_ptr<const ConvexRegion> region) {
+    LensScene s(fourVoxels(blendOf({1, 1, 1}, 0.3), kOne));
+    s.lens(std::move(region), CutOut{});
+    return s;
+  };
+  with(around(9998, 1, 2, 0.2)).expect(glm::dvec3(1 - 0.49), 1e-12);
+  with(around(48, 1, 1.001, 0.2)).expect(glm::dvec3(1 - std::pow(0.7, 2.999)), 1e-12);
+  with(around(48, -1e6, 1e6, 1e6)).expect(glm::dvec3(0), 1e-12);
+  with(boxRegion({0.8, -9, -9}, {9, 9, 9})).expect(glm::dvec3(plain), 1e-12);
+  with(boxRegion({-9, -30, -9}, {9, -20, 9})).expect(glm::dvec3(plain), 1e-12);
+  with(boxRegion({-9, 4, -9}, {9, 20, 9})).expect(glm::dvec3(plain), 1e-12);
+  // Exactly the box of voxel centres, and a face that the ray runs along: closed.
+  with(boxRegion({0, 0, 0}, {1, 3, 1})).expect(glm::dvec3(0), 1e-12);
+  with(boxRegion({0.5, 1, 0}, {9, 2, 1})).expect(glm::dvec3(1 - 0.49), 1e-12);
+}
+
+// Samples of the lattice do not move: an inside like the outside is bit for bit the same algorithm, but for
+// steps that are split by exponent.
+TEST(LensReference, TheLatticeOfSamples) {
+  VolumeLayer ramp = blendOf({1, 0, 0}, 0);
+  ramp.classification = Classification::Post;
+  ramp.transfer->opacities = {{0, 0}, {3, 0.9}};
+  VolumeLayer other = ramp;
+  other.transfer->colours = {{0, {0, 1, 0}}};
+  LensScene s(fourVoxels(ramp, kRamp));
+  s.options.kind = ErrorKind::Implementation;
+  const auto before = s.pixels({0});
+  s.sheetLens(0.3, 2.2, ramp);
+  const auto after = s.pixels({0});
+  ASSERT_TRUE(before.ok() && after.ok());
+  EXPECT_NEAR((*before)[0].rgba.x, (*after)[0].rgba.x, 1e-14);
+  // Samples at 0.5, 1.5, 2.5 mm: opacities 0.15, 0.45, 0.75 of a step, split at 0.3 and 2.2.
+  std::get<LensLayer>(s.scene.layers[1]).inner = other;
+  const double a = std::pow(0.85, 0.3), b = std::pow(0.85, 0.7) * 0.55 * std::pow(0.25, 0.2),
+               c = std::pow(0.25, 0.8);
+  s.expect({1 - a + a * b * (1 - c), a * (1 - b), 0}, 1e-12);
+  std::get<LensLayer>(s.scene.layers[1]).inner = projectionOf(ProjectionMode::Max);
+  EXPECT_EQ(s.pixels({0}).error().code, ErrorCode::NotBuiltYet);
 }
 
 }  // namespace
