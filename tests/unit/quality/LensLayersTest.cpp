@@ -73,6 +73,29 @@ TEST(LensLayers, EdgesRunAroundLenses) {
   }
 }
 
+// A lens that holds all of the ray is told from none, and where a slanted cut begins.
+TEST(LensLayers, EdgesOfWholeRaysAndCuts) {
+  VolumeScene v = volumeScene(floatVolume(gridOf(20, 20, 20), [](auto, auto, auto) { return 1.0; }),
+                              projectionOf(ProjectionMode::Max));
+  v.view = {40, 40}, v.scene.camera.height_mm = 20;
+  // Leaves y from 9.5 - x on: half of the picture begins at it.
+  v.scene.clip.push_back({PatientVec(glm::normalize(glm::dvec3(-1, -1, 0))), -9.5 * std::sqrt(0.5)});
+  LensScene s(v);
+  s.lens(boxRegion({-9, -9, 5.1}, {30, 30, 14.1}), projectionOf(ProjectionMode::Sum));
+  const auto layers = Layers::make(s.scene, s.view, s.sources, s.options);
+  ASSERT_TRUE(layers.ok());
+  const auto edge = [&](double x, double z) {
+    return layers->atEdge({std::floor((x - 9.5) * 2 + 20) + 0.5, std::floor((9.5 - z) * 2 + 20) + 0.5});
+  };
+  EXPECT_TRUE(edge(4, 5.1));
+  EXPECT_TRUE(edge(15, 14.1));
+  EXPECT_TRUE(edge(9.5, 10));
+  EXPECT_TRUE(edge(9.5, 2));
+  EXPECT_FALSE(edge(4, 10));
+  EXPECT_FALSE(edge(15, 10));
+  EXPECT_FALSE(edge(15, 2));
+}
+
 // What no pixel outside the population shows: the background, with and without.
 TEST(LensLayers, ThePopulationHoldsWhatLensesShow) {
   int outside = 0, insideOnly = 0;
