@@ -171,6 +171,19 @@ void fillWith(Images& images, const Rgb& colour) {
     images.colour[n + 2] = static_cast<float>(colour.b), images.colour[n + 3] = 1;
   }
 }
+// The plan's lenses as layers of what is shown, which lacks the layers that nothing here draws.
+std::vector<PlacedLens> lensesIn(const Scene& shown, const Scene& drawn, std::vector<PlacedLens> lenses) {
+  std::vector<std::size_t> in, out;
+  for (std::size_t n = 0; n < drawn.layers.size(); ++n)
+    if (std::holds_alternative<LensLayer>(drawn.layers[n])) in.push_back(n);
+  for (std::size_t n = 0; n < shown.layers.size(); ++n)
+    if (std::holds_alternative<LensLayer>(shown.layers[n])) out.push_back(n);
+  // Layers stay or go by kind, so that either all lenses are shown or none is.
+  if (in.size() != out.size()) return {};
+  for (PlacedLens& lens : lenses)
+    lens.layer = out[static_cast<std::size_t>(std::find(in.begin(), in.end(), lens.layer) - in.begin())];
+  return lenses;
+}
 bool drawsOver(const Pass& pass) {
   return std::find(pass.inputs.begin(), pass.inputs.end(), "colour") != pass.inputs.end();
 }
@@ -328,6 +341,7 @@ Result<Rendered> Session::render(const Scene& scene, const View& view, const Qua
     quality::ErrorOptions error = options.error;
     error.reference.step = step;
     error.reference.truths = *truths;
+    error.reference.lenses = lensesIn(shown, drawn, plans.at(step).lenses);
     return quality::measureError(frame, shown, view, *sources, error, stop);
   };
   Result<quality::LadderResult> reached = quality::climb(draw, measure, ladderOf(asked, options), stop);

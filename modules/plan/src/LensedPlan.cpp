@@ -59,7 +59,8 @@ std::vector<PatientPoint> boxCorners(const GridGeometry& grid) {
 }
 
 // Why the layer cannot have this inside; "" when it can.
-std::string whyNotInside(const Layer& base, const LensInner& inner) {
+// `inverted`: the volume itself (VolumeInfo).
+std::string whyNotInside(const Layer& base, const LensInner& inner, bool inverted) {
   if (std::holds_alternative<CutOut>(inner)) return "";
   const bool look = std::holds_alternative<SliceLook>(inner);
   if (const auto* slice = std::get_if<SliceLayer>(&base)) {
@@ -79,7 +80,7 @@ std::string whyNotInside(const Layer& base, const LensInner& inner) {
   if (own && *own != *volumeOf(base))
     return "A lens shows the volume that is seen around it, and names another.";
   const auto* projection = std::get_if<ProjectionLayer>(&inner);
-  if (projection && projection->invert)
+  if (projection && projection->invert != inverted)
     return "An inverted projection cannot be joined with what is around it.";
   return "";
 }
@@ -145,6 +146,7 @@ Result<std::vector<PlacedLens>> lensesBefore(std::size_t layer, const PlanContex
   if (volume == context.sources.volumes.end() || !volume->second)
     return out;  // said where the layer is planned
   const GridGeometry& grid = volume->second->grid();
+  const bool inverted = volume->second->info().inverted;
   const auto* slice = std::get_if<SliceLayer>(&base);
   std::vector<HalfSpace> seen;
   if (!slice) {
@@ -155,13 +157,14 @@ Result<std::vector<PlacedLens>> lensesBefore(std::size_t layer, const PlanContex
     if (!camera) return camera.error();
     seen = *std::move(kept);
     addView(*camera, seen);
-    if (projection && projection->invert)
+    if (projection && projection->invert != inverted)
       return fault(layer, "invert", "An inverted projection cannot be joined with a lens; leave invert out.");
   }
   for (std::size_t n = 0; n < context.scene.layers.size(); ++n) {
     const auto* lens = std::get_if<LensLayer>(&context.scene.layers[n]);
     if (!lens) continue;
-    if (std::string why = whyNotInside(base, lens->inner); !why.empty()) return fault(n, "inner", why);
+    if (std::string why = whyNotInside(base, lens->inner, inverted); !why.empty())
+      return fault(n, "inner", why);
     if (const Result<void> ok = checkPose(lens->pose); !ok) return fault(n, "pose", ok.error().sentence);
     Result<std::shared_ptr<const ConvexRegion>> region =
         guarded(technique.name, [&] { return technique.region(*lens, context.sources); });

@@ -417,6 +417,7 @@ Result<Plan> makePlan(const Scene& scene, const View& view, const Quality& quali
         lensesBefore(**lensed, context, *lensTechniques.front(), plan.notes);
     if (!lenses) return lenses.error();
     context.lenses = *std::move(lenses);
+    plan.lenses = context.lenses;
   }
   Planner planner(context, techniques, plan);
   if (*lensed) planner.setLensed(**lensed);

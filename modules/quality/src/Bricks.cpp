@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "Bricks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 
@@ -30,10 +31,19 @@ std::array<glm::dvec3, 8> cornersOf(const GridGeometry& g, Extent x, Extent y, E
   return out;
 }
 
+// Whether all corners lie beyond one face.
+bool outside(const ConvexRegion& region, const GridGeometry& g, const std::array<glm::dvec3, 8>& corners) {
+  return std::any_of(region.planes.begin(), region.planes.end(), [&](const HalfSpace& h) {
+    return std::all_of(corners.begin(), corners.end(), [&](glm::dvec3 c) {
+      return h.distance_mm(g.patientFromVoxel * VoxelPoint(c)) > 1e-9;
+    });
+  });
+}
+
 }  // namespace
 
-BrickOutlines brickOutlines(const VolumeRays& rays,
-                            const std::function<bool(const LocalRange&)>& contributes) {
+BrickOutlines brickOutlines(const VolumeRays& rays, const std::function<bool(const LocalRange&)>& contributes,
+                            const ConvexRegion* within) {
   const GridGeometry& g = rays.volume().grid();
   const auto known = rays.bricks() ? rays.bricks() : std::make_shared<const BrickRanges>(rays.fieldVolume());
   const std::vector<BrickRanges::Brick>& bricks = known->bricks();
@@ -45,6 +55,7 @@ BrickOutlines brickOutlines(const VolumeRays& rays,
       const BrickRanges::Brick& b = bricks[n];
       const std::array<glm::dvec3, 8> corners = cornersOf(g, b.x, b.y, b.z);
       if (!contributes(b.values) || rays.keepsNoneOf(corners)) continue;
+      if (within && outside(*within, g, corners)) continue;
       std::array<glm::dvec2, 8> px;
       bool before = true;
       for (std::size_t c = 0; c < 8; ++c)

@@ -15,6 +15,8 @@ struct BrickOutlines {
   bool everywhere = false;                            // one of them reaches past the eye
 };
 // `contributes`: whether voxels of such a range (least above greatest: none with data) can show something.
-BrickOutlines brickOutlines(const VolumeRays&, const std::function<bool(const LocalRange&)>& contributes);
+// `within`, when given: only those that do not lie outside of it for sure.
+BrickOutlines brickOutlines(const VolumeRays&, const std::function<bool(const LocalRange&)>& contributes,
+                            const ConvexRegion* within = nullptr);
 
 }  // namespace vernier::quality

@@ -86,6 +86,28 @@ VolumeSeen IsosurfaceReference::seen(glm::dvec2 pixel) const {
   return out;
 }
 
+PartSeen IsosurfaceReference::part(const VolumeRay& ray) const {
+  const std::optional<Hit> hit = firstHit(ray);
+  return hit ? PartSeen{shading_->lit(hit->gradient, ray.line.direction), 0} : PartSeen{};
+}
+
+EdgeMark::Hit IsosurfaceReference::markOf(const Hit& hit, const VolumeRay& ray) {
+  const double size = glm::length(hit.gradient);
+  EdgeMark::Hit mark{hit.face ? std::size_t{1} : 0, hit.t_mm, size > 0 ? hit.gradient / size : glm::dvec3(0),
+                     1};
+  if (hit.face && hit.t_mm - ray.begin_mm <= kJoint_mm) mark.normal = ray.beginNormal;
+  return mark;
+}
+
+PartMark IsosurfaceReference::mark(const VolumeRay& part, double left, std::size_t surfaces,
+                                   std::vector<EdgeMark::Hit>& hits) const {
+  const std::optional<Hit> hit = firstHit(part);
+  if (!hit) return {false, false};
+  hits.push_back(markOf(*hit, part));
+  hits.back().surface += surfaces, hits.back().left = left;
+  return {true, hit->face, 0, hit->t_mm};
+}
+
 EdgeMark IsosurfaceReference::edgeMark(glm::dvec2 pixel) const {
   const VolumeRay ray = rays_.ray(pixel);
   EdgeMark mark;
@@ -97,10 +119,7 @@ EdgeMark IsosurfaceReference::edgeMark(glm::dvec2 pixel) const {
     before.tools.resize(hit->passed);
     before.endedBy = Border::Box;
     if (!hit->face) before.begunBy = Border::Box;
-    const double size = glm::length(hit->gradient);
-    mark.hits.push_back(
-        {hit->face ? std::size_t{1} : 0, hit->t_mm, size > 0 ? hit->gradient / size : glm::dvec3(0), 1});
-    if (hit->face && hit->t_mm - ray.begin_mm <= kJoint_mm) mark.hits.back().normal = ray.beginNormal;
+    mark.hits.push_back(markOf(*hit, ray));
   } else {
     before.begin_mm = 0, before.end_mm = -1;  // nor do cuts through what is not shown
   }

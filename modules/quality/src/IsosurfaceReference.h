@@ -14,6 +14,10 @@ class IsosurfaceReference {
   EdgeMark edgeMark(glm::dvec2 pixel) const;
   const VolumeRays& rays() const { return rays_; }
   bool contributes(const LocalRange& values) const { return values.max >= level_; }
+  // Of a part of a ray with lenses; `hits` takes the surface that it shows.
+  PartSeen part(const VolumeRay&) const;
+  PartMark mark(const VolumeRay& part, double left, std::size_t surfaces,
+                std::vector<EdgeMark::Hit>& hits) const;
 
  private:
   explicit IsosurfaceReference(VolumeRays rays) : rays_(std::move(rays)) {}
@@ -24,6 +28,7 @@ class IsosurfaceReference {
     glm::dvec3 gradient{0};  // patient
   };
   std::optional<Hit> firstHit(const VolumeRay&) const;
+  static EdgeMark::Hit markOf(const Hit&, const VolumeRay&);
 
   VolumeRays rays_;
   std::optional<Shading> shading_;

@@ -6,6 +6,7 @@
 #include "CurvedReference.h"
 #include "ImageReference.h"
 #include "IsosurfaceReference.h"
+#include "LensReference.h"
 #include "ProjectionReference.h"
 #include "ShellsReference.h"
 #include "SliceReference.h"
@@ -26,7 +27,7 @@ class Layers {
   struct Prepared {
     // All surfaces are one; those among a layer that looks through a volume are its tools.
     std::variant<SliceReference, CurvedReference, ImageReference, SurfaceReference, ProjectionReference,
-                 ShellsReference, VolumeReference, IsosurfaceReference, PixelTruth>
+                 ShellsReference, VolumeReference, IsosurfaceReference, LensReference, PixelTruth>
         layer;
     int samples = 0;
     const VolumeReading* reading() const;  // nullptr: a stored frame, or a plugin's layer
@@ -47,6 +48,9 @@ class Layers {
   const std::vector<Prepared>& prepared() const { return layers_; }
 
  private:
+  // The layer behind the lenses, with them.
+  static Result<Prepared> prepareLensed(const Scene&, std::size_t base, const View&, const Sources&,
+                                        const ReferenceOptions&);
   EdgeMark edgeMark(glm::dvec2 pixel) const;
   // The slice or image that shows, under any layers of plugins; how many layers from the bottom were left
   // out.

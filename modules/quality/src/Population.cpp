@@ -121,12 +121,32 @@ void fillSurfaces(const SurfaceReference& surfaces, const View& view, std::vecto
   }
 }
 
-void fillBricks(const VolumeRays& rays, const Layers::Prepared& layer, const View& view,
-                std::vector<char>& mask) {
-  const BrickOutlines bricks =
-      brickOutlines(rays, [&](const LocalRange& values) { return layer.contributes(values); });
+void fill(const BrickOutlines& bricks, const View& view, std::vector<char>& mask) {
   if (bricks.everywhere) std::fill(mask.begin(), mask.end(), 1);
   for (const auto& corners : bricks.corners_px) fill({corners.begin(), corners.end()}, view, mask);
+}
+
+void fillBricks(const VolumeRays& rays, const Layers::Prepared& layer, const View& view,
+                std::vector<char>& mask) {
+  fill(brickOutlines(rays, [&](const LocalRange& values) { return layer.contributes(values); }), view, mask);
+}
+
+// What the inside of a lens shows: bricks that reach into it, where the lens is.
+void fillInsides(const LensReference& lensed, const View& view, std::vector<char>& mask) {
+  for (std::size_t n = 0; n < lensed.lenses().size(); ++n) {
+    const ConvexRegion& region = *lensed.lenses()[n].region;
+    std::vector<char> bricks(mask.size(), 0), lens(mask.size(), 0);
+    fill(brickOutlines(
+             lensed.rays(), [&](const LocalRange& values) { return lensed.contributes(n + 1, values); },
+             &region),
+         view, bricks);
+    std::vector<glm::dvec2> outline(region.corners.size());
+    bool before = true;
+    for (std::size_t c = 0; c < outline.size(); ++c)
+      before = lensed.rays().camera().pixelOf(region.corners[c].p, outline[c]) && before;
+    before ? fill(outline, view, lens) : std::fill(lens.begin(), lens.end(), 1);
+    for (std::size_t p = 0; p < mask.size(); ++p) mask[p] = mask[p] || (bricks[p] && lens[p]) ? 1 : 0;
+  }
 }
 
 // Columns are lines: the rows at which each passes through the volume's box, widened by half a slab. With
@@ -182,6 +202,7 @@ std::vector<std::size_t> population(const Layers& layers, const View& view) {
     } else if (const VolumeRays* rays = p.rays()) {
       fillBricks(*rays, p, view, mask);
       fillSurfaces(rays->surfaces(), view, mask);
+      if (const auto* lensed = std::get_if<LensReference>(&p.layer)) fillInsides(*lensed, view, mask);
       known = true;
     } else if (const auto* image = std::get_if<ImageReference>(&p.layer)) {
       const auto [a, b] = image->outline();

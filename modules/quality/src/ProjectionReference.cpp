@@ -22,9 +22,13 @@ Result<ProjectionReference> ProjectionReference::make(const Scene& scene, const 
   return r;
 }
 
-ProjectionReference::Gathered ProjectionReference::gather(const VolumeRay& ray) const {
-  Gathered all;
-  all.emission_mm.assign(ray.tools.size() + 1, 0);
+ProjectionReference::Gathered ProjectionReference::nothing(const VolumeRay& ray) {
+  Gathered none;
+  none.emission_mm.assign(ray.tools.size() + 1, 0);
+  return none;
+}
+
+void ProjectionReference::gather(const VolumeRay& ray, Gathered& all) const {
   const VoiWindow& window = rays_.window();
   rays_.alongData(ray, [&](const RayPart& part) {
     const double through = ray.through[part.passed], length = part.length_mm();
@@ -56,43 +60,80 @@ ProjectionReference::Gathered ProjectionReference::gather(const VolumeRay& ray) 
     }
     return true;
   });
-  return all;
 }
 
-glm::dvec3 ProjectionReference::combined(const VolumeRay& ray, const Gathered& all) const {
-  glm::dvec3 tools(0);
-  double sum = 0;  // Sum: of what tools leave of the emission; Attenuation: of the absorption so far
-  const bool attenuation = layer_.mode == ProjectionMode::Attenuation;
-  for (std::size_t n = 0; n <= ray.tools.size(); ++n) {
-    const double here = gain_perMm_ * all.emission_mm[n];
-    sum += attenuation ? here : ray.through[n] * here;
-    if (n == ray.tools.size()) break;
-    const double reaching = attenuation ? std::exp(-sum) : 1;
-    tools += reaching * ray.through[n] * ray.tools[n].opacity * ray.tools[n].colour;
-  }
-  glm::dvec3 otherwise(attenuation ? 1 : 0);
-  if (layer_.mode == ProjectionMode::Sum && !invert_) otherwise = background_;
-  const glm::dvec3 behind = ray.backdrop(otherwise);
+double ProjectionReference::amount(const VolumeRay& ray, const Gathered& all) const {
   switch (layer_.mode) {
     case ProjectionMode::Max:
-      return tools + glm::max(glm::dvec3(all.brightest), behind);
+      return all.brightest;
     case ProjectionMode::Min:
-      return tools + glm::max(glm::dvec3(all.darkest), behind);
-    case ProjectionMode::Mean: {
-      const double grey = windowGrey(rays_.window(), all.integral / all.length_mm);
-      return tools + glm::max(glm::dvec3(grey * all.seenLength_mm / all.length_mm), behind);
-    }
+      return all.darkest;
+    case ProjectionMode::Mean:
+      return windowGrey(rays_.window(), all.integral / all.length_mm) * all.seenLength_mm / all.length_mm;
     case ProjectionMode::Sum:
-      return tools + sum + behind;
     case ProjectionMode::Attenuation:
       break;
   }
-  return tools + std::exp(-sum) * behind;
+  const bool attenuation = layer_.mode == ProjectionMode::Attenuation;
+  double sum = 0;
+  for (std::size_t n = 0; n < all.emission_mm.size(); ++n)
+    sum += (attenuation ? 1 : ray.through[n]) * gain_perMm_ * all.emission_mm[n];
+  return attenuation ? std::exp(-sum) : sum;
+}
+
+std::vector<double> ProjectionReference::reaching(const Gathered& all) const {
+  std::vector<double> out;
+  double sum = 0;
+  for (std::size_t n = 0; n + 1 < all.emission_mm.size(); ++n) {
+    if (layer_.mode == ProjectionMode::Attenuation) sum += gain_perMm_ * all.emission_mm[n];
+    out.push_back(std::exp(-sum));
+  }
+  return out;
+}
+
+glm::dvec3 ProjectionReference::combined(const VolumeRay& ray, const Gathered& all) const {
+  const bool attenuation = layer_.mode == ProjectionMode::Attenuation;
+  const std::vector<double> reaching = this->reaching(all);
+  glm::dvec3 tools(0);
+  for (std::size_t n = 0; n < ray.tools.size(); ++n)
+    tools += reaching[n] * ray.through[n] * ray.tools[n].opacity * ray.tools[n].colour;
+  glm::dvec3 otherwise(attenuation ? 1 : 0);
+  if (layer_.mode == ProjectionMode::Sum && !invert_) otherwise = background_;
+  const glm::dvec3 behind = ray.backdrop(otherwise);
+  const double amount = this->amount(ray, all);
+  if (layer_.mode == ProjectionMode::Sum) return tools + amount + behind;
+  if (attenuation) return tools + amount * behind;
+  return tools + glm::max(glm::dvec3(amount), behind);
+}
+
+Gathering ProjectionReference::gathered(const VolumeRay& whole, std::span<const VolumeRay> parts) const {
+  Gathered all = nothing(whole);
+  for (const VolumeRay& part : parts) gather(part, all);
+  constexpr Accumulator kinds[] = {Accumulator::Max, Accumulator::Min, Accumulator::Sum, Accumulator::Mean,
+                                   Accumulator::Attenuation};
+  Gathering g;
+  g.accumulator = kinds[static_cast<std::size_t>(layer_.mode)];
+  g.covered = all.length_mm > 0;
+  if (g.covered) g.value = glm::dvec3(amount(whole, all));
+  g.bare = layer_.mode == ProjectionMode::Attenuation ? glm::dvec3(1) : background_;
+  if (everywhere()) g.behind = g.bare;
+  g.reaching = reaching(all);
+  return g;
+}
+
+PartMark ProjectionReference::mark(const VolumeRay& part) const {
+  PartMark mark;
+  rays_.alongData(part, [&](const RayPart&) {
+    mark.shown = true;
+    return false;
+  });
+  return mark;
 }
 
 VolumeSeen ProjectionReference::seen(glm::dvec2 pixel) const {
   VolumeRay ray = rays_.ray(pixel);
-  const Gathered all = gather(ray);
+  Gathered all = nothing(ray);
+  gather(ray, all);
   VolumeSeen out;
   out.shown = all.length_mm > 0;
   out.covered = out.shown || ray.opaque || !ray.tools.empty();
@@ -116,12 +157,7 @@ VolumeSeen ProjectionReference::seen(glm::dvec2 pixel) const {
 
 std::uint64_t ProjectionReference::edgeKey(glm::dvec2 pixel) const {
   const VolumeRay ray = rays_.ray(pixel);
-  bool shown = false;
-  rays_.alongData(ray, [&](const RayPart&) {
-    shown = true;
-    return false;
-  });
-  return VolumeRays::edgeKey(ray, shown);
+  return VolumeRays::edgeKey(ray, mark(ray).shown);
 }
 
 bool ProjectionReference::contributes(const LocalRange& values) const {

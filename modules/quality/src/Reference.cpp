@@ -53,6 +53,30 @@ Result<void> checkVolumes(const Scene& scene) {
   return {};
 }
 
+// The layer that lenses stand before; nullopt: there are none. As the planner has it.
+Result<std::optional<std::size_t>> behindLenses(const Scene& scene, const ReferenceOptions& options) {
+  std::optional<std::size_t> lens, through, slice;
+  for (std::size_t n = 0; n < scene.layers.size(); ++n) {
+    if (std::holds_alternative<LensLayer>(scene.layers[n]) && !lens) lens = n;
+    if (looksThroughVolume(scene.layers[n])) through = n;
+    if (std::holds_alternative<SliceLayer>(scene.layers[n]) && !slice) slice = n;
+  }
+  if (!lens) return std::optional<std::size_t>();
+  if (!through && !slice)
+    return makeError(ErrorCode::SceneInvalid, "The scene has a lens and nothing that it could look into.");
+  if (!options.lenses)
+    return makeError(ErrorCode::NotBuiltYet,
+                     "The scene has lenses, and their faces were not given to the reference, so no error is "
+                     "measured.");
+  for (const PlacedLens& placed : *options.lenses)
+    if (placed.layer >= scene.layers.size() || !placed.region ||
+        !std::holds_alternative<LensLayer>(scene.layers[placed.layer]))
+      return makeError(ErrorCode::SceneInvalid,
+                       "Layer " + std::to_string(placed.layer) + " of the scene is no lens.");
+  if (options.lenses->empty()) return std::optional<std::size_t>();
+  return through ? through : slice;
+}
+
 }  // namespace
 
 Result<Layers> Layers::make(const Scene& scene, const View& view, const Sources& sources,
@@ -60,6 +84,8 @@ Result<Layers> Layers::make(const Scene& scene, const View& view, const Sources&
   if (auto r = checkView(view); !r) return r.error();
   if (!(options.step > 0)) return makeError(ErrorCode::SceneInvalid, "The sampling step must be above 0.");
   if (auto r = checkVolumes(scene); !r) return r.error();
+  const auto lensed = behindLenses(scene, options);
+  if (!lensed) return lensed.error();
   Layers all;
   all.background_ = glm::dvec3(scene.background.r, scene.background.g, scene.background.b);
   for (std::size_t n = 0; n < scene.layers.size(); ++n) {
@@ -74,11 +100,35 @@ Result<Layers> Layers::make(const Scene& scene, const View& view, const Sources&
       all.layers_.push_back({std::move(*r), 0});
       continue;
     }
-    Result<Prepared> prepared = prepare(scene, scene.layers[n], view, sources, options);
+    if (std::holds_alternative<LensLayer>(scene.layers[n])) continue;
+    Result<Prepared> prepared = *lensed == n ? prepareLensed(scene, n, view, sources, options)
+                                             : prepare(scene, scene.layers[n], view, sources, options);
     if (!prepared) return prepared.error();
     all.layers_.push_back(std::move(*prepared));
   }
   return all;
+}
+
+Result<Layers::Prepared> Layers::prepareLensed(const Scene& scene, std::size_t base, const View& view,
+                                               const Sources& sources, const ReferenceOptions& options) {
+  if (looksThroughVolume(scene.layers[base])) {
+    auto lensed = LensReference::make(scene, base, view, sources, options);
+    if (!lensed) return lensed.error();
+    return Prepared{*std::move(lensed), 0};
+  }
+  const auto& layer = std::get<SliceLayer>(scene.layers[base]);
+  if (layer.slab.thickness_mm > 0)
+    return makeError(ErrorCode::NotBuiltYet,
+                     "A lens acts on single slices; of a slab with one no error is measured.");
+  Result<Prepared> prepared = prepare(scene, layer, view, sources, options);
+  if (!prepared) return prepared;
+  auto& slice = std::get<SliceReference>(prepared->layer);
+  for (const PlacedLens& lens : *options.lenses)
+    if (auto added =
+            slice.addLens(lens.region, layer, std::get<LensLayer>(scene.layers[lens.layer]).inner, sources);
+        !added)
+      return added.error();
+  return prepared;
 }
 
 Result<Layers::Prepared> Layers::prepare(const Scene& scene, const Layer& layer, const View& view,
@@ -138,6 +188,7 @@ bool Layers::Prepared::covers(glm::dvec2 pixel) const {
 EdgeMark Layers::Prepared::edgeMark(glm::dvec2 pixel) const {
   if (const auto* volume = std::get_if<VolumeReference>(&layer)) return volume->edgeMark(pixel);
   if (const auto* iso = std::get_if<IsosurfaceReference>(&layer)) return iso->edgeMark(pixel);
+  if (const auto* lens = std::get_if<LensReference>(&layer)) return lens->edgeMark(pixel);
   EdgeMark mark;
   if (const auto* projection = std::get_if<ProjectionReference>(&layer))
     mark.key = projection->edgeKey(pixel);
@@ -177,7 +228,7 @@ std::optional<glm::dvec3> Layers::Prepared::shown(glm::dvec2 pixel, glm::dvec3 b
   const auto* slice = std::get_if<SliceReference>(&layer);
   if (slice && slice->volume().isColour()) return slice->colour(pixel, samples, background);
   *valueOut = value(pixel);
-  const VolumeReading* r = reading();
+  const VolumeReading* r = slice ? slice->readingAt(pixel) : reading();
   return r && *valueOut ? std::optional(glm::dvec3(r->grey((*valueOut)->value))) : std::nullopt;
 }
 
@@ -200,6 +251,8 @@ EdgeMark Layers::edgeMark(glm::dvec2 pixel) const {
     if (p.rays()) return p.edgeMark(pixel);
   EdgeMark mark;
   mark.key = covers(pixel) ? 1 : 0;
+  for (const Prepared& p : layers_)
+    if (const auto* slice = std::get_if<SliceReference>(&p.layer)) mark.key |= slice->lensAt(pixel) << 1;
   return mark;
 }
 

@@ -67,7 +67,9 @@ void ShellsReference::crossings(const VolumeRay& ray, Fn&& fn) const {
       leave();
       passed = part.passed, cell_mm = part.at(0.5);
       const bool first = part.begin_mm - ray.begin_mm <= kJoint_mm;
-      change(reached(part.piece(stops.front())),
+      const std::size_t beginning = reached(part.piece(stops.front()));
+      if (first && ray.beginsOpen) inside = beginning;
+      change(beginning,
              [&](std::size_t level) { return Crossing{part.begin_mm, level, passed, true, first, cell_mm}; });
     }
     passed = part.passed, cell_mm = part.at(0.5);
@@ -83,7 +85,8 @@ void ShellsReference::crossings(const VolumeRay& ray, Fn&& fn) const {
     return going;
   });
   const bool atTool = ray.endedBy == Border::Tool && ray.end_mm - end_mm <= kJoint_mm;
-  if (going && !atTool) leave();
+  const bool open = ray.endsOpen && ray.end_mm - end_mm <= kJoint_mm;
+  if (going && !atTool && !open) leave();
 }
 
 double ShellsReference::brightness(const VolumeRay& ray, const Crossing& c) const {
@@ -91,9 +94,8 @@ double ShellsReference::brightness(const VolumeRay& ray, const Crossing& c) cons
   return ray.through[c.passed] * phi_[c.level] * (layer_.beta0 + layer_.betaM * (layer_.a * z + layer_.b));
 }
 
-ShellsReference::Volume ShellsReference::greatest(const VolumeRay& ray) const {
-  Volume v;
-  if (levels_.empty()) return v;
+void ShellsReference::greatest(const VolumeRay& ray, Volume& v) const {
+  if (levels_.empty()) return;
   const double k0 = layer_.beta0 + layer_.betaM * layer_.b, k1 = layer_.betaM * layer_.a;
   rays_.alongData(ray, [&](const RayPart& part) {
     v.shown = true;
@@ -104,17 +106,14 @@ ShellsReference::Volume ShellsReference::greatest(const VolumeRay& ray) const {
                                                       rays_.cue(ray, part, k0, k1), v.value / through));
     return true;
   });
-  return v;
 }
 
-ShellsReference::Volume ShellsReference::sum(const VolumeRay& ray) const {
-  Volume v;
+void ShellsReference::sum(const VolumeRay& ray, Volume& v) const {
   crossings(ray, [&](const Crossing& c) {
     v.shown = true;
     v.value += brightness(ray, c);
     return true;
   });
-  return v;
 }
 
 // The face of a cell, or of a slice's hold (half a voxel), at which data begin: that which the ray passes
@@ -148,8 +147,8 @@ VolumeSeen ShellsReference::seen(glm::dvec2 pixel) const {
   VolumeRay ray = rays_.ray(pixel);
   VolumeSeen out;
   Volume v;
-  if (layer_.mode == ShellsMode::Max) v = greatest(ray);
-  if (layer_.mode == ShellsMode::Sum) v = sum(ray);
+  if (layer_.mode == ShellsMode::Max) greatest(ray, v);
+  if (layer_.mode == ShellsMode::Sum) sum(ray, v);
   if (layer_.mode == ShellsMode::Lit)
     if (const auto hit = firstShell(ray)) {
       v.shown = true;
@@ -178,21 +177,49 @@ VolumeSeen ShellsReference::seen(glm::dvec2 pixel) const {
   return out;
 }
 
+Gathering ShellsReference::gathered(const VolumeRay& whole, std::span<const VolumeRay> parts) const {
+  const bool max = layer_.mode == ShellsMode::Max;
+  Volume v;
+  for (const VolumeRay& part : parts) max ? greatest(part, v) : sum(part, v);
+  Gathering g;
+  g.accumulator = max ? Accumulator::Max : Accumulator::Sum;
+  g.covered = v.shown;
+  g.value = v.value * colour_;
+  g.bare = background_;
+  g.reaching.assign(whole.tools.size(), 1);
+  if (!max) return g;
+  if (whole.opaque && layer_.surfaceBlend == SurfaceBlend::Replace) g.covered = g.replacesTool = v.replaces;
+  const glm::dvec3 floor = layer_.beta0 * layer_.phi0 * colour_;
+  if (!whole.opaque) g.value = glm::max(g.value, whole.through.back() * floor);
+  g.bare = glm::max(floor, background_);
+  return g;
+}
+
+PartSeen ShellsReference::part(const VolumeRay& ray) const {
+  const auto hit = firstShell(ray);
+  return hit ? PartSeen{hit->colour, 0} : PartSeen{};
+}
+
+PartMark ShellsReference::mark(const VolumeRay& part) const {
+  PartMark mark;
+  if (layer_.mode == ShellsMode::Max) {
+    rays_.alongData(part, [&](const RayPart&) {
+      mark.shown = true;
+      return false;
+    });
+    return mark;
+  }
+  crossings(part, [&](const Crossing& c) {
+    mark.shown = true;
+    if (lit()) mark.left = 0, mark.end_mm = c.t_mm;
+    return false;
+  });
+  return mark;
+}
+
 std::uint64_t ShellsReference::edgeKey(glm::dvec2 pixel) const {
   const VolumeRay ray = rays_.ray(pixel);
-  bool shown = false;
-  if (layer_.mode == ShellsMode::Max) {
-    rays_.alongData(ray, [&](const RayPart&) {
-      shown = true;
-      return false;
-    });
-  } else {
-    crossings(ray, [&](const Crossing&) {
-      shown = true;
-      return false;
-    });
-  }
-  return VolumeRays::edgeKey(ray, shown);
+  return VolumeRays::edgeKey(ray, mark(ray).shown);
 }
 
 bool ShellsReference::contributes(const LocalRange& values) const {

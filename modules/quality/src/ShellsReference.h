@@ -14,6 +14,13 @@ class ShellsReference {
   std::uint64_t edgeKey(glm::dvec2 pixel) const;
   const VolumeRays& rays() const { return rays_; }
   bool contributes(const LocalRange&) const;
+  // Max and sum are gathered, lit ones are found front to back.
+  bool lit() const { return layer_.mode == ShellsMode::Lit; }
+  bool sameLevels(const ShellsReference& other) const { return levels_ == other.levels_; }
+  // Of all its parts of a ray with lenses, which have the ray's tools.
+  Gathering gathered(const VolumeRay& whole, std::span<const VolumeRay> parts) const;
+  PartSeen part(const VolumeRay&) const;
+  PartMark mark(const VolumeRay& part) const;
 
  private:
   ShellsReference(VolumeRays rays, const ShellsLayer& layer) : rays_(std::move(rays)), layer_(layer) {}
@@ -35,8 +42,8 @@ class ShellsReference {
     double value = 0;       // Max: the brightest, Sum: all, weighed with what tools leave
     bool replaces = false;  // Max: reaches the lowest level
   };
-  Volume greatest(const VolumeRay&) const;
-  Volume sum(const VolumeRay&) const;
+  void greatest(const VolumeRay&, Volume&) const;
+  void sum(const VolumeRay&, Volume&) const;
   std::optional<RayTool> firstShell(const VolumeRay&) const;
   glm::dvec3 faceNormal(const VolumeRay&, double t_mm) const;
 

@@ -22,6 +22,30 @@ Result<SliceReference> SliceReference::make(const Scene& scene, const SliceLayer
   return r;
 }
 
+Result<void> SliceReference::addLens(std::shared_ptr<const ConvexRegion> region, const SliceLayer& base,
+                                     const LensInner& inner, const Sources& sources) {
+  if (std::holds_alternative<CutOut>(inner)) {
+    lenses_.push_back({std::move(region), std::nullopt});
+    return {};
+  }
+  const auto* look = std::get_if<SliceLook>(&inner);
+  if (!look)
+    return makeError(ErrorCode::SceneInvalid,
+                     "On a slice a lens shows 'slice' (another window) or 'cut-out'.");
+  SliceLayer layer = base;
+  layer.interpolation = look->interpolation, layer.window = look->window, layer.invert = look->invert;
+  auto reading = VolumeReading::make(layer, sources);
+  if (!reading) return reading.error();
+  lenses_.push_back({std::move(region), *std::move(reading)});
+  return {};
+}
+
+std::size_t SliceReference::lensAt(glm::dvec2 pixel) const {
+  for (std::size_t n = lenses_.size(); n > 0; --n)
+    if (lenses_[n - 1].region->contains(PatientPoint(patientAt(pixel)))) return n;
+  return 0;
+}
+
 Result<void> SliceReference::place(const Camera& camera, const View& view) {
   const Plane& plane = plane_;
   if (!finite(plane.point.p) || !finite(plane.normal.v) || !finite(plane.up.v))

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,15 +24,17 @@ struct RayTool {
 };
 
 // What begins or ends the part of a ray that takes part.
-enum class Border { Box, Cut, Near, Tool };
+enum class Border { Box, Cut, Near, Tool, Lens };
 
 struct VolumeRay {
   PixelRay line;
   double begin_mm = 0, end_mm = -1;  // the part before the first opaque tool; empty: begin >= end
   Border begunBy = Border::Box, endedBy = Border::Box;
   glm::dvec3 beginNormal{0, 0, 1};  // of what it begins at, patient, unit
-  std::vector<RayTool> tools;       // translucent, before the first opaque one, nearest first
-  std::vector<double> through;      // what is left of light behind none, one, ... all of them
+  // The ray goes on there with the same level sets, so that none is cut open.
+  bool beginsOpen = false, endsOpen = false;
+  std::vector<RayTool> tools;   // translucent, before the first opaque one, nearest first
+  std::vector<double> through;  // what is left of light behind none, one, ... all of them
   std::optional<RayTool> opaque;
   std::size_t opaqueLayer = 0;
 
@@ -56,6 +59,21 @@ struct VolumeSeen {
   bool shown = false;    // the layer shows something
   bool covered = false;  // it does, or a tool does
   std::optional<double> value;
+};
+
+// What a part of a ray without tools in it shows of a layer that is gathered front to back, and what it lets
+// through.
+struct PartSeen {
+  glm::dvec3 colour{0};
+  double left = 1;
+};
+
+// What tells whether an edge runs between a part of a ray and that of a neighbour.
+struct PartMark {
+  bool shown = false;                                       // the layer shows something there
+  bool bordered = true;                                     // its ends may be seen
+  double left = 1;                                          // of light, as far as is known
+  double end_mm = std::numeric_limits<double>::infinity();  // nothing behind is seen
 };
 
 // The box of voxel centres, in the Voxel frame. Slices that wander widen it by as much.

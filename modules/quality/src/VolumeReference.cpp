@@ -236,16 +236,29 @@ VolumeSeen VolumeReference::seen(glm::dvec2 pixel) const {
   return {walk.light.colour, walk.shown, walk.shown || ray.opaque || !ray.tools.empty(), std::nullopt};
 }
 
-EdgeMark VolumeReference::edgeMark(glm::dvec2 pixel) const {
-  const VolumeRay ray = rays_.ray(pixel);
-  EdgeMark mark;
-  mark.line = ray.line, mark.voxel_mm = rays_.largestSpacing_mm();
+bool VolumeReference::hasData(const VolumeRay& ray) const {
   bool data = false;
   rays_.alongData(ray, [&](const RayPart&) {
     data = true;
     return false;
   });
-  mark.key = VolumeRays::edgeKey(ray, data);
+  return data;
+}
+
+// The steps that a blended ray shows, until little light is left.
+void VolumeReference::markSteps(Walk& walk) const {
+  rays_.alongBricks(
+      walk.ray, [&](std::size_t brick) { return showing_[brick] != 0; },
+      [&](const RayPart& part) {
+        return blendPart(part, walk) && walk.light.left >= EdgeMark::kFound && walk.hits->size() < kMostHits;
+      });
+}
+
+EdgeMark VolumeReference::edgeMark(glm::dvec2 pixel) const {
+  const VolumeRay ray = rays_.ray(pixel);
+  EdgeMark mark;
+  mark.line = ray.line, mark.voxel_mm = rays_.largestSpacing_mm();
+  mark.key = VolumeRays::edgeKey(ray, hasData(ray));
   if (isColour() || transfer_->steps() == 0) return mark;
   if (layer_.mode != VolumeMode::Blend) {
     const Extreme e = extreme(ray);
@@ -255,11 +268,29 @@ EdgeMark VolumeReference::edgeMark(glm::dvec2 pixel) const {
   Walk walk(ray);
   walk.plain = true;
   walk.hits = &mark.hits;
-  rays_.alongBricks(
-      ray, [&](std::size_t brick) { return showing_[brick] != 0; },
-      [&](const RayPart& part) {
-        return blendPart(part, walk) && walk.light.left >= EdgeMark::kFound && mark.hits.size() < kMostHits;
-      });
+  markSteps(walk);
+  return mark;
+}
+
+PartSeen VolumeReference::part(const VolumeRay& ray) const {
+  Walk walk(ray);
+  blend(walk);
+  return {walk.light.colour, walk.light.left};
+}
+
+PartMark VolumeReference::mark(const VolumeRay& part, double left, std::size_t surfaces,
+                               std::vector<EdgeMark::Hit>& hits) const {
+  PartMark mark;
+  mark.shown = hasData(part);
+  if (!mark.shown || isColour() || transfer_->steps() == 0) return mark;
+  const std::size_t before = hits.size();
+  Walk walk(part);
+  walk.plain = true;
+  walk.hits = &hits;
+  walk.light.left = left;
+  markSteps(walk);
+  for (std::size_t n = before; n < hits.size(); ++n) hits[n].surface += surfaces;
+  mark.left = walk.light.left / left;
   return mark;
 }
 

@@ -18,6 +18,11 @@ class VolumeReference {
   EdgeMark edgeMark(glm::dvec2 pixel) const;
   const VolumeRays& rays() const { return rays_; }
   bool contributes(const LocalRange&) const;
+  VolumeMode mode() const { return layer_.mode; }
+  // Of a part of a ray with lenses, blended; `hits` takes the steps that it shows.
+  PartSeen part(const VolumeRay&) const;
+  PartMark mark(const VolumeRay& part, double left, std::size_t surfaces,
+                std::vector<EdgeMark::Hit>& hits) const;
 
  private:
   VolumeReference(VolumeRays rays, const VolumeLayer& layer) : rays_(std::move(rays)), layer_(layer) {}
@@ -45,6 +50,8 @@ class VolumeReference {
   bool blendStretch(const RayPart&, std::size_t interval, double from, double to, Gradient::Along*,
                     Walk&) const;
   glm::dvec3 colourOf(std::size_t interval, double value, const glm::dvec3* gradient, glm::dvec3 ray) const;
+  bool hasData(const VolumeRay&) const;
+  void markSteps(Walk&) const;
   void markBeginning(const RayPart&, const std::vector<double>& stops, Walk&) const;
   void markStep(const RayPart&, double u, std::size_t surface, bool cap, Walk&) const;
   bool blendColours(const RayPart&, Walk&) const;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "vernier/base/ConvexRegion.h"
 #include "vernier/plan/Frame.h"
 #include "vernier/plan/View.h"
 
@@ -50,11 +51,18 @@ struct Rejected {
   std::string why;   // one sentence
 };
 
+// A lens in its place, of the `layer`-th layer of the scene.
+struct PlacedLens {
+  std::shared_ptr<const ConvexRegion> region;
+  std::size_t layer = 0;
+};
+
 struct Plan {
   std::vector<Pass> passes;
   std::vector<Rejected> rejected;
   std::vector<std::string> notes;       // "layer 1 (shells) needs plugin angiography: not shown"
   std::vector<std::string> afterwards;  // what is drawn over the picture when its error has been taken
+  std::vector<PlacedLens> lenses;       // those that meet what is shown, in the scene's order
   bool showsWholeScene = true;          // false when a layer is kept but cannot be shown
 };
 

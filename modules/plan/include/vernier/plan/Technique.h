@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "vernier/base/Cache.h"
-#include "vernier/base/ConvexRegion.h"
 #include "vernier/base/Result.h"
 #include "vernier/plan/Panel.h"
 #include "vernier/plan/Plan.h"
@@ -40,12 +39,6 @@ struct PlacedSurface {
   PatientFromMesh pose;
   glm::dvec3 colour{1};  // display-referred 0..1
   double opacity = 1;
-};
-
-// A lens in its place, of the `layer`-th layer of the scene.
-struct PlacedLens {
-  std::shared_ptr<const ConvexRegion> region;
-  std::size_t layer = 0;
 };
 
 // Costs measured on this machine, by technique; without an entry a technique uses its built-in figure.

@@ -10,9 +10,10 @@
 // seeds (OrderStatistic.h).
 //
 // Edge pixels (within 1 pixel of the border of the data: the slice's outline, padding, a gap; of tools and
-// cuts; of iso-surfaces and of steps of a transfer function, where a surface ends or lies much farther off
-// than its slope explains) are also reported apart, but never left out of the bound. Thread-safe; parallelFor
-// inside. Errors: those of referencePixels, and SceneInvalid when frame and view differ in size.
+// cuts; of lenses, as far as they change what is seen; of iso-surfaces and of steps of a transfer function,
+// where a surface ends or lies much farther off than its slope explains) are also reported apart, but never
+// left out of the bound. Thread-safe; parallelFor inside. Errors: those of referencePixels, and SceneInvalid
+// when frame and view differ in size.
 #pragma once
 #include <cstdint>
 #include <optional>

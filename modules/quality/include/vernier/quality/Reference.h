@@ -66,6 +66,30 @@
 // Colour volumes. Blend: channels times gains, held in 0..1, alpha of a smallest spacing, opaque at once as
 // above; without alpha it is 1 times its gain. Max, min: of each channel by itself, opaque where it is first
 // reached; alpha takes no part. They are not shaded.
+// Lenses. The ray's span is cut where it enters and leaves each lens, in double from its half-spaces, however
+// many; where lenses overlap the later layer rules, and what is shorter than 1e-9 mm belongs to its
+// neighbour. Between two cuts one appearance rules: the layer's own or a lens's inside. On rays:
+//   Ordered       volumes (blend), iso-surfaces, Lit shells: each stretch between two cuts or tools by
+//                 itself, C and t, an iso-surface with its faces, Lit shells with their caps; joined with
+//                 the translucent tools front to back
+//   Gathered      projections, shells Max and Sum: over all stretches of an appearance on the ray as above,
+//                 weighed with T; what that and the opaque tool come to is behind all that is ordered: the
+//                 pixel is C of ordered and tools + (product of all t) * (what is gathered, with E)
+//   Several       gathered ones join where all that show something are Max (projections and shells), all
+//                 Min, all Sum or all Attenuation: the greatest, the least, the sum, the product, with one E.
+//                 Means of the same window are one over the stretches of both. Else the last in the
+//                 scene's order shows as if it were alone
+//   Attenuation   weakens the colours of tools behind it too, not what is ordered
+//   Sum           E without an opaque tool is T times the background where a projection is among them,
+//                 0 where all are shells
+//   shells Max    with an opaque tool and surfaceBlend Replace: takes part where it reaches its lowest
+//                 level, and then the tool does not
+//   Nothing shows (of all that is gathered) the pixel is C + T E, as the outside has it: Attenuation 1,
+//                 shells Max max(background, beta0 phi0), else the background
+//   Caps          of shells: at a lens face too, but not where shells of the same levels go on beyond it
+//   Cut-out       is a stretch that nothing draws
+// Inverted projections and volumes of mode Max or Min are refused. On slices the pixel's point, on a face
+// too, is in the lens: another look, or (cut-out) nothing; slabs are refused.
 // The truth is always exact post-classification: pre-classification, tables and OpacityRule::Linear are
 // engines' approximations of it, and their distance is in the model error.
 //
@@ -113,6 +137,9 @@ struct ReferenceOptions {
   // By the layer's place in the scene: what a plugin says of its own layers (Technique::truth). Such a layer
   // lies over those before it and adds no pixels to the population, unless the scene has no other layer.
   std::map<std::size_t, PixelTruth> truths = {};
+  // The scene's lenses in their places, those that show (Plan::lenses), `layer` as in this scene. A scene
+  // with lenses is refused (NotBuiltYet) where they are absent; those that are not in the list show nothing.
+  std::optional<std::vector<PlacedLens>> lenses = std::nullopt;
 };
 
 struct ReferencePixel {
