@@ -32,6 +32,7 @@ class JsonReader {
   std::string placeOf(const std::string& key) const { return where_ + "/" + key; }
   void fail(const std::string& key, const std::string& sentence);
   void fail(const Error& e);
+  const std::optional<Error>& fault() const { return error_; }
   // The first fault, or the first key that was not asked for.
   Result<void> done();
 

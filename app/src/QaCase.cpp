@@ -178,15 +178,16 @@ Result<std::vector<std::string>> findQaCases(const std::string& suite) {
   fs::recursive_directory_iterator it(suite, fs::directory_options::skip_permission_denied, ec), end;
   for (; !ec && it != end; it.increment(ec)) {
     // A baseline whose case.json is gone is a case that cannot be read, not one that is not there.
-    const bool lost = it->path().filename() == "expected.png" &&
-                      !fs::exists(it->path().parent_path() / "case.json", ec);
+    const bool lost =
+        it->path().filename() == "expected.png" && !fs::exists(it->path().parent_path() / "case.json", ec);
     if (it->path().filename() == "case.json" || lost)
       names.push_back(it->path().parent_path().lexically_relative(suite).generic_string());
   }
-  if (ec) return makeError(ErrorCode::FileNotFound, "The folder cannot be read: " + ec.message() + ".", suite);
+  if (ec)
+    return makeError(ErrorCode::FileNotFound, "The folder cannot be read: " + ec.message() + ".", suite);
   if (names.empty())
-    return makeError(ErrorCode::NothingToLoad,
-                     "The folder holds no case: no case.json in it or below it.", suite);
+    return makeError(ErrorCode::NothingToLoad, "The folder holds no case: no case.json in it or below it.",
+                     suite);
   std::sort(names.begin(), names.end());
   return names;
 }

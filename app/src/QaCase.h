@@ -44,11 +44,11 @@ struct QaCase {
   std::vector<std::string> options;  // as `vernier render` takes them
   std::string sceneText;             // Scene JSON in place of a view
   int width_px = 256, height_px = 256;
-  std::vector<std::string> engines{"native", "gl"};  // those that the case is meant for
-  std::optional<QaTolerance> tolerance, toleranceGl;  // absent: no picture is judged
+  std::vector<std::string> engines{"native", "gl"};                 // those that the case is meant for
+  std::optional<QaTolerance> tolerance, toleranceGl;                // absent: no picture is judged
   nlohmann::ordered_json checks = nlohmann::ordered_json::array();  // objects with "kind" (QaChecks.h)
-  int leastLevels = 8;                          // different greys or colours that expected.png must have
-  std::map<Mutant, std::string> exempt;         // mutants that the picture cannot tell, and why
+  int leastLevels = 8;                   // different greys or colours that expected.png must have
+  std::map<Mutant, std::string> exempt;  // mutants that the picture cannot tell, and why
 
   bool draws() const { return !view.empty() || !sceneText.empty(); }
   const std::optional<QaTolerance>& toleranceOf(const std::string& engine) const {
@@ -62,7 +62,8 @@ Result<QaCase> readQaCase(const std::string& folder, const std::string& name);
 // The same from text; `folder` is only remembered. Error::where is "name/case.json#/place".
 Result<QaCase> parseQaCase(const std::string& json, const std::string& folder, const std::string& name);
 
-// Folders below `suite` that hold a case.json, as names relative to it, in order. FileNotFound, NothingToLoad.
+// Folders below `suite` that hold a case.json, as names relative to it, in order. FileNotFound,
+// NothingToLoad.
 Result<std::vector<std::string>> findQaCases(const std::string& suite);
 
 }  // namespace vernier::app

@@ -7,8 +7,9 @@ namespace vernier::app {
 
 const std::map<std::string, QaCheckFn>& qaCheckKinds() {
   static const std::map<std::string, QaCheckFn> kinds = {
-      {"pixel", checkPixel}, {"value", checkValue},     {"depth", checkDepth},           {"probe", checkProbe},
-      {"error", checkError}, {"letters", checkLetters}, {"statistics", checkStatistics},
+      {"pixel", checkPixel},           {"value", checkValue}, {"depth", checkDepth},
+      {"probe", checkProbe},           {"error", checkError}, {"letters", checkLetters},
+      {"statistics", checkStatistics},
   };
   return kinds;
 }
@@ -51,9 +52,9 @@ Result<std::vector<QaRow>> runQaChecks(const QaContext& c) {
                        "There is no check of the kind '" + kind + "'; there are " + names + ".", place);
     }
     Result<std::vector<QaRow>> some = found->second(c, reader);
-    // A fault of the file says more than what followed from it.
-    if (const Result<void> done = reader.done(); !done) return done.error();
+    if (reader.fault()) return *reader.fault();  // it says more than what followed from it
     if (!some) return some.error();
+    if (const Result<void> done = reader.done(); !done) return done.error();
     if (some->empty()) return makeError(ErrorCode::Internal, "The check measured nothing.", place);
     rows.insert(rows.end(), some->begin(), some->end());
   }

@@ -134,9 +134,12 @@ Picture mutantOf(const Picture& p, Mutant m) {
   using At = std::pair<int, int>;
   Picture out = p;
   switch (m) {
-    case Mutant::ShiftedRight: return rearranged(p, [](int x, int y) { return At{std::max(x - 1, 0), y}; });
-    case Mutant::ShiftedDown: return rearranged(p, [](int x, int y) { return At{x, std::max(y - 1, 0)}; });
-    case Mutant::Mirrored: return rearranged(p, [&](int x, int y) { return At{p.width - 1 - x, y}; });
+    case Mutant::ShiftedRight:
+      return rearranged(p, [](int x, int y) { return At{std::max(x - 1, 0), y}; });
+    case Mutant::ShiftedDown:
+      return rearranged(p, [](int x, int y) { return At{x, std::max(y - 1, 0)}; });
+    case Mutant::Mirrored:
+      return rearranged(p, [&](int x, int y) { return At{p.width - 1 - x, y}; });
     case Mutant::Gamma:
       for (std::uint8_t& v : out.pixels)
         v = static_cast<std::uint8_t>(std::lround(255 * std::pow(v / 255.0, 1 / 1.1)));
@@ -147,7 +150,9 @@ Picture mutantOf(const Picture& p, Mutant m) {
       for (std::size_t i = 0; i < pixelCount(p); ++i) paint(out, i, background);
       return out;
     }
-    case Mutant::ObjectMissing: removeThing(out); return out;
+    case Mutant::ObjectMissing:
+      removeThing(out);
+      return out;
   }
   return out;
 }
