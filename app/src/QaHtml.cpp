@@ -75,7 +75,7 @@ const QaJson* engineOf(const QaJson& c, const std::string& engine) {
 }
 
 std::string cells(const QaJson* engineRow) {
-  if (!engineRow) return "<td class=\"n\"></td><td class=\"error\">none</td>";
+  if (!engineRow) return "<td class=\"n\"></td><td class=\"soft\">&ndash;</td>";
   return "<td class=\"n\">" + text(*engineRow, "measured") + "</td><td>" +
          badge(engineRow->at("verdict").get<std::string>()) + "</td>";
 }
@@ -97,7 +97,7 @@ std::string caseRows(const QaJson& c, const std::vector<std::string>& engines, c
     }
     if (e->at("sentence").is_string())
       errors += "<tr class=\"bad\"><td>" + link + "</td><td colspan=\"" +
-                std::to_string(3 + 2 * engines.size()) + "\">" + escaped(engine) + ": " +
+                std::to_string(4 + 2 * engines.size()) + "\">" + escaped(engine) + ": " +
                 text(*e, "sentence") + "</td></tr>\n";
   }
   std::string out;
@@ -112,7 +112,7 @@ std::string caseRows(const QaJson& c, const std::vector<std::string>& engines, c
         continue;
       }
       const QaJson* r = found == rows[key].end() ? nullptr : found->second;
-      bad = bad || !r || r->at("verdict") != "pass";
+      bad = bad || (r && r->at("verdict") != "pass");
       values += cells(r);
     }
     std::string tolerance = text(any, "tolerance");

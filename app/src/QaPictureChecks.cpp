@@ -115,7 +115,7 @@ Result<Rows> checkProbe(const QaContext& c, JsonReader& check) {
   if (check.fault()) return *check.fault();
   const VoxelValue value = (*volume)->probe(static_cast<std::int64_t>(v[0]), static_cast<std::int64_t>(v[1]),
                                             static_cast<std::int64_t>(v[2]));
-  const std::string name = "voxel " + Json(v).dump();
+  const std::string name = "voxel " + Json(std::vector<std::int64_t>(v.begin(), v.end())).dump();
   Rows rows;
   if (const Json* expected = check.any("expected"); expected && expected->is_null()) {
     check.text("why", false);
