@@ -77,16 +77,13 @@ void printResult(const QaCaseResult& r) {
 void reportProblems(const QaCaseResult& r) {
   for (const QaEngineResult& e : r.engines) {
     if (e.verdict == QaVerdict::Pass) continue;
-    Error error;
-    if (e.error) {
-      error = *e.error;
-    } else {
-      std::string names;
-      for (const QaRow& row : e.rows)
-        if (!row.pass && names.find(row.quantity) == std::string::npos)
-          names += (names.empty() ? "" : ", ") + row.quantity;
-      error = makeError(ErrorCode::OutOfTolerance, "Out of tolerance: " + names + ".", r.name);
-    }
+    std::string names;
+    for (const QaRow& row : e.rows)
+      if (!row.pass && names.find(row.quantity) == std::string::npos)
+        names += (names.empty() ? "" : ", ") + row.quantity;
+    Error error = !names.empty()
+                      ? makeError(ErrorCode::OutOfTolerance, "Out of tolerance: " + names + ".", r.name)
+                      : *e.error;
     error.where = e.engine + ": " + error.where;
     (void)report(error);
   }

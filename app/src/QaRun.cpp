@@ -251,7 +251,10 @@ Result<void> QaRunner::Impl::judged(const QaCase& c, Prepared& p, QaCaseResult& 
   if (Result<Picture> heat = heatmap(*result.expected, *e.picture)) e.heat = std::move(*heat);
   if (const auto histogram = differenceHistogram(*result.expected, *e.picture)) e.histogram = *histogram;
   result.caught.clear();
-  return guardBaseline(c, *result.expected, *tolerance, &result.caught);
+  // A baseline that proves nothing fails the case, whatever it looks like.
+  if (const Result<void> fit = guardBaseline(c, *result.expected, *tolerance, &result.caught); !fit)
+    e.error = fit.error();
+  return {};
 }
 
 QaRunner::QaRunner(Settings settings, NewSession newSession, std::stop_token stop)
@@ -296,7 +299,7 @@ QaCaseResult QaRunner::run(const std::string& folder, const std::string& name,
     const Result<void> done =
         guarded(name, [&]() -> Result<void> { return impl_->judged(*c, *prepared, result, e); });
     const bool allPass = std::all_of(e.rows.begin(), e.rows.end(), [](const QaRow& r) { return r.pass; });
-    e.verdict = !done ? QaVerdict::Error : allPass ? QaVerdict::Pass : QaVerdict::Fail;
+    e.verdict = !done ? QaVerdict::Error : allPass && !e.error ? QaVerdict::Pass : QaVerdict::Fail;
     if (!done) e.error = located(done.error(), name);
   }
   if (result.engines.empty())
