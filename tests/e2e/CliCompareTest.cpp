@@ -140,6 +140,32 @@ TEST_F(Compare, TwoPatientsAreRefusedWithoutAValueOfEither) {
   }
 }
 
+TEST_F(Compare, OnePatientIdWithAnotherBirthDateOrSexIsRefused) {
+  DicomSlice one, other, same;
+  one.set = same.set = {{"0010,0030", "19700102"}, {"0010,0040", "F"}};
+  other.set = {{"0010,0030", "19700103"}, {"0010,0040", "F"}};
+  const std::string a = study("a", one), b = study("b", other), c = study("c", same);
+  other.set = {{"0010,0030", "19700102"}, {"0010,0040", "M"}};
+  const std::string d = study("d", other);
+  for (const std::string& wrong : {b, d}) {
+    const ProgramRun r = vernier({"compare", a, wrong});
+    expectSentence(r, 2);
+    EXPECT_NE(r.err.find("birth date or sex"), std::string::npos) << r.err;
+    EXPECT_EQ(r.err.find("1970"), std::string::npos) << r.err;
+  }
+  EXPECT_EQ(vernier({"compare", a, c, "--max-error", "0"}).exitCode, 0);
+}
+
+TEST_F(Compare, WithoutACommonFrameOfReferenceTheOffsetIsTheUsersWord) {
+  DicomSlice elsewhere;
+  elsewhere.frameOfReferenceUid = "2.25.77";
+  const std::string a = study("a"), b = study("b", elsewhere);
+  const ProgramRun r = vernier({"compare", a, b});
+  expectSentence(r, 2);
+  EXPECT_NE(r.err.find("--offset"), std::string::npos);
+  EXPECT_EQ(compared({a, b, "--offset", "0,0,0"})["max"], 0);
+}
+
 TEST_F(Compare, ReportsSayWhatDiffers) {
   const std::string s = study("s");
   ASSERT_EQ(vernier({"render", s, "--view", "axial", "--report", path("a.json")}).exitCode, 0);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 30;
 
-FileRecord recordOf(const std::string& path) {
+FileRecord recordFor(const std::string& path) {
   FileRecord r;
   r.path = path;
   r.shown = std::filesystem::path(path).filename().string();
@@ -28,12 +28,12 @@ PictureKind kindOf(const InputFile& file) {
 }  // namespace
 
 bool looksLikePicture(const std::string& path) {
-  const auto file = openInput(recordOf(path));
+  const auto file = openInput(recordFor(path));
   return file && kindOf(**file) != PictureKind::None;
 }
 
 Result<PictureFile> readPictureFile(const std::string& path) {
-  const FileRecord record = recordOf(path);
+  const FileRecord record = recordFor(path);
   const auto located = [&](Error e) {
     if (e.where.empty()) e.where = record.shown;
     return e;
