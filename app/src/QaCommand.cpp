@@ -8,6 +8,7 @@
 #include "OptionText.h"
 #include "QaAccept.h"
 #include "QaDocument.h"
+#include "Sha256.h"
 #include "vernier/picture/Png.h"
 #include "vernier/picture/WriteFile.h"
 
@@ -22,6 +23,12 @@ struct Options {
 };
 
 std::string dumped(const QaJson& j) { return j.dump(2, ' ', false, QaJson::error_handler_t::replace) + "\n"; }
+
+std::string sha256Of(const std::string& text) {
+  Sha256 hash;
+  hash.add(text.data(), text.size());
+  return hash.hex();
+}
 
 // The last part of what the user named: a report states no folders of the machine.
 std::string suiteName(const std::string& dir) {
@@ -50,13 +57,14 @@ Result<void> writeReport(const std::string& out, const QaJson& document,
     if (const Result<void> r = writeFileWhole(out + "/" + name, *png); !r) return r;
     pngs[name] = std::move(*png);
   }
-  const Result<std::string> html = qaHtml(document, [&](const std::string& name) {
+  const std::string json = dumped(document);
+  const Result<std::string> html = qaHtml(document, sha256Of(json), [&](const std::string& name) {
     return pngs.contains(name) ? pngs[name] : std::vector<std::byte>();
   });
   if (!html) return html.error();
   const Result<std::string> junit = qaJunit(document);
   if (!junit) return junit.error();
-  if (const Result<void> r = writeFileWhole(out + "/report.json", dumped(document)); !r) return r;
+  if (const Result<void> r = writeFileWhole(out + "/report.json", json); !r) return r;
   if (const Result<void> r = writeFileWhole(out + "/junit.xml", *junit); !r) return r;
   return writeFileWhole(out + "/report.html", *html);
 }
@@ -161,7 +169,7 @@ int rebuild(const Options& o) {
   const QaJson document = QaJson::parse(*text, nullptr, false);
   if (document.is_discarded())
     return report(makeError(ErrorCode::FileDamaged, "The report is not valid JSON.", o.dir + "/report.json"));
-  const Result<std::string> html = qaHtml(document, [&](const std::string& name) {
+  const Result<std::string> html = qaHtml(document, sha256Of(*text), [&](const std::string& name) {
     std::vector<std::byte> bytes;
     // Names come from the file: only those that a run gives are opened.
     if (!name.starts_with("pictures/") || name.find("..") != std::string::npos) return bytes;

@@ -39,7 +39,7 @@ std::string row(const std::string& name, const std::string& value) {
 }
 std::string hash(const std::string& sha256) { return " <span class=\"hash\">" + sha256 + "</span>"; }
 
-std::string identity(const QaJson& d) {
+std::string identity(const QaJson& d, const std::string& jsonSha256) {
   const QaJson& i = d.at("identity");
   const QaJson& program = i.at("program");
   const QaJson& machine = i.at("machine");
@@ -65,6 +65,7 @@ std::string identity(const QaJson& d) {
                                                    (gl.at("software") == true ? " (software)" : ""));
   out += row("Image library", text(program, "image_library"));
   out += row("Operator", i.at("operator") == "" ? "not stated" : text(i, "operator"));
+  out += row("Record", "report.json, SHA-256" + hash(escaped(jsonSha256)));
   return out + "</table>\n";
 }
 
@@ -155,6 +156,21 @@ std::string reasons(const QaJson& c) {
   return out.empty() ? "" : "<div class=\"small\">Tolerances, why:<ul>" + out + "</ul></div>\n";
 }
 
+// One line of pictures: expected, drawn, what differs and how much.
+std::string enginePictures(const QaJson& c, const QaJson& e, const QaPictureBytes& bytes) {
+  if (!e.contains("picture")) return "";
+  const std::string engine = e.at("engine").get<std::string>();
+  std::string out = "<div class=\"pictures\">\n";
+  if (c.contains("expected"))
+    out += imageTag(bytes(c.at("expected").at("picture").get<std::string>()), "expected");
+  out += imageTag(bytes(e.at("picture").get<std::string>()), engine + ", " + qaText(e.at("technique")));
+  if (e.contains("heat")) {
+    out += imageTag(bytes(e.at("heat").get<std::string>()), engine + ", difference (black: none)");
+    out += histogramSvg(e.at("histogram").get<std::vector<std::uint64_t>>());
+  }
+  return out + "</div>\n";
+}
+
 std::string caseBlock(const QaJson& c, std::size_t index, const QaPictureBytes& bytes) {
   bool good = !c.at("engines").empty();
   std::string verdicts, pictures;
@@ -164,13 +180,7 @@ std::string caseBlock(const QaJson& c, std::size_t index, const QaPictureBytes& 
     good = good && verdict == "pass";
     verdicts += " &nbsp; " + escaped(engine) + ": " + badge(verdict);
     if (e.at("sentence").is_string()) verdicts += "<div class=\"fail\">" + text(e, "sentence") + "</div>";
-    if (e.contains("picture"))
-      pictures +=
-          imageTag(bytes(e.at("picture").get<std::string>()), engine + ", " + qaText(e.at("technique")));
-    if (e.contains("heat")) {
-      pictures += imageTag(bytes(e.at("heat").get<std::string>()), engine + ", difference (black: none)");
-      pictures += histogramSvg(e.at("histogram").get<std::vector<std::uint64_t>>());
-    }
+    pictures += enginePictures(c, e, bytes);
   }
   std::string out = std::string("<div class=\"case") + (good ? "" : " notpassed") + "\" id=\"case" +
                     std::to_string(index) + "\"><h3>" + text(c, "name") +
@@ -184,7 +194,6 @@ std::string caseBlock(const QaJson& c, std::size_t index, const QaPictureBytes& 
            "</div>\n";
   out += reasons(c);
   if (c.contains("expected")) {
-    pictures = imageTag(bytes(c.at("expected").at("picture").get<std::string>()), "expected") + pictures;
     std::string caught;
     for (const QaJson& m : c.at("mutants").at("caught"))
       caught += (caught.empty() ? "" : ", ") + escaped(qaText(m));
@@ -193,12 +202,12 @@ std::string caseBlock(const QaJson& c, std::size_t index, const QaPictureBytes& 
       out += " Not told: " + escaped(mutant) + " (" + escaped(qaText(why)) + ").";
     out += "</div>\n";
   }
-  return out + "<div class=\"pictures\">\n" + pictures + "</div></div>\n";
+  return out + pictures + "</div>\n";
 }
 
 }  // namespace
 
-Result<std::string> qaHtml(const QaJson& d, const QaPictureBytes& bytes) {
+Result<std::string> qaHtml(const QaJson& d, const std::string& jsonSha256, const QaPictureBytes& bytes) {
   try {
     if (d.at("schema") != "vernier-qa/1")
       return makeError(ErrorCode::FileDamaged, "The report is of another schema than vernier-qa/1.");
@@ -207,10 +216,12 @@ Result<std::string> qaHtml(const QaJson& d, const QaPictureBytes& bytes) {
     std::string out =
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Quality assurance: " +
         text(d, "suite") + "</title>\n<style>" + kQaStyle + "</style></head><body>\n";
-    out += head(d) + identity(d) + allRows(d, engines) + "<h2>Cases</h2>\n";
+    out += head(d) + identity(d, jsonSha256) + allRows(d, engines) + "<h2>Cases</h2>\n";
     std::size_t index = 0;
     for (const QaJson& c : d.at("cases")) out += caseBlock(c, index++, bytes);
-    return out + "</body></html>\n";
+    return out +
+           "<table class=\"signed\"><tr><td>Reviewed by</td><td>Date</td><td>Remarks</td></tr></table>\n"
+           "</body></html>\n";
   } catch (const QaJson::exception&) {
     return makeError(ErrorCode::FileDamaged,
                      "This is no report of `vernier qa run`: something is missing in it.");

@@ -38,6 +38,7 @@ figure { margin: 0; } figcaption { font-size: 12px; color: var(--soft); margin-t
 figure img { display: block; image-rendering: pixelated; max-width: 384px; border: 1px solid var(--line); }
 .gone { width: 160px; height: 120px; border: 1px dashed var(--fail); display: flex; align-items: center;
   justify-content: center; color: var(--fail); font-size: 12px; text-align: center; }
+.signed td { height: 64px; width: 33%; color: var(--soft); font-size: 12px; }
 ul { margin: 4px 0 4px 20px; padding: 0; }
 @media print { body { padding: 0; font-size: 11px; } a { color: inherit; text-decoration: none; } }
 )css";

@@ -242,6 +242,29 @@ TEST_F(Qa, AFullDiskOrAFileInTheWayIsOneSentence) {
   expectSentence(vernier({"qa", "run", path("empty")}), 3);
 }
 
+// Killed at any moment: the old baseline or the new one, never neither.
+TEST_F(Qa, KilledWhileAcceptingTheOldOrTheNewBaselineIsThere) {
+  acceptedSlice();
+  const Result<Picture> first = readPng(file("slice/expected.png"));
+  Json j = sliceCase();
+  j["options"] = {"--window=60,300"};
+  writeCase("slice", j);
+  ASSERT_EQ(accept("slice").exitCode, 0);
+  const Result<Picture> second = readPng(file("slice/expected.png"));
+  ASSERT_TRUE(first.ok() && second.ok() && *first != *second);
+  for (int round = 0; round < 24; ++round) {
+    if (round % 2)
+      writeCase("slice", j);
+    else
+      writeCase("slice", sliceCase());
+    (void)vernier({"qa", "accept", suite(), "slice", "--reason", "killed"}, 0.01 + 0.01 * round);  // SIGKILL
+    const Result<Picture> now = readPng(file("slice/expected.png"));
+    ASSERT_TRUE(now.ok()) << round;
+    EXPECT_TRUE(*now == *first || *now == *second) << round;
+    EXPECT_FALSE(Json::parse(readFile(file("slice/history/accepted.json")), nullptr, false).is_discarded());
+  }
+}
+
 TEST_F(Qa, GreenOnOneEngineAndRedOnTheOtherIsToldApart) {
   writeCase("mip", {{"schema", "vernier-qa-case/1"},
                     {"title", "Maximum"},
