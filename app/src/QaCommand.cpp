@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "Clock.h"
+#include "OptionChecks.h"
 #include "OptionText.h"
 #include "QaAccept.h"
 #include "QaDocument.h"
@@ -218,7 +219,9 @@ Command addQa(CLI::App& app, GlobalOptions& global) {
       "  vernier qa accept suite axial --reason \"slices are now cubic; looked at beside the old one\"\n"
       "  vernier qa report report");
   return {
-      sub, [&global, o, run, acceptSub] {
+      sub, [&global, o, run, acceptSub, reportSub] {
+        for (const CLI::App* given : {run, acceptSub, reportSub})
+          if (const Result<void> values = noEmptyValues(*given); !values) return report(values.error());
         return run->parsed() ? runSuite(global, *o) : acceptSub->parsed() ? accept(global, *o) : rebuild(*o);
       }};
 }

@@ -170,6 +170,19 @@ TEST_F(Qa, DataThatChangedIsToldByItsHash) {
   expectSentence(run(), 3);
 }
 
+TEST_F(Qa, AnEngineThatIsNotThereIsNotSkipped) {
+  acceptedSlice();
+  const ProgramRun r =
+      runProgram({kProgram, "qa", "run", suite(), "--out", path("report")}, 60, {"VERNIER_GL=off"});
+  expectSentence(r, 4);
+  EXPECT_NE(r.err.find("gl: "), std::string::npos) << r.err;
+  const Json j = Json::parse(readFile(path("report/report.json")));
+  EXPECT_EQ(j["summary"][0]["verdict"], "pass");
+  EXPECT_EQ(j["summary"][1]["verdict"], "fail");
+  EXPECT_TRUE(j["identity"]["gl"].is_string());
+  expectSentence(vernier({"qa", "run", suite(), "--out", ""}), 2);
+}
+
 TEST_F(Qa, AMissingBaselineFailsAndLeavesTheCandidate) {
   writeCase("slice", sliceCase());
   const ProgramRun r = run({"--out", path("report")});
