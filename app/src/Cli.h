@@ -36,6 +36,7 @@ Command addPhantom(CLI::App&, GlobalOptions&);
 Command addDoctor(CLI::App&, GlobalOptions&);
 Command addView(CLI::App&, GlobalOptions&);
 Command addPlugins(CLI::App&, GlobalOptions&);
+Command addQa(CLI::App&, GlobalOptions&);
 
 // "vernier: where: sentence" on stderr; returns the exit code.
 int report(const Error&);

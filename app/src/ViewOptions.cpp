@@ -202,8 +202,9 @@ Result<Scene> sceneOfVolumes(Session& session, const ViewOptions& o, const std::
                                     " shows no surfaces yet; use axial, coronal, sagittal, oblique or slab.");
   if (!o.sceneFile.empty())
     if (const Result<void> alone = nothingBesideScene(o); !alone) return alone.error();
-  Result<Scene> scene =
-      o.sceneFile.empty() ? sceneFromView(session, o, progress, stop) : sceneFromFile(o.sceneFile);
+  Result<Scene> scene = o.sceneFile.empty()   ? sceneFromView(session, o, progress, stop)
+                        : o.sceneText.empty() ? sceneFromFile(o.sceneFile)
+                                              : parseScene(o.sceneText);
   if (!scene) return scene;
   // What the scene itself shows of the surfaces that were given is left as it has it.
   addSurfaceLayers(*scene, surfaces);

@@ -26,6 +26,7 @@ struct RenderingOptions {
 struct ViewOptions {
   std::vector<std::string> inputs, surfaces;
   std::string view, sceneFile, series;
+  std::string sceneText;  // what sceneFile holds, where it has been read already
   std::string size = "512x512", camera, plane, slabMode, window, preset, interpolation,
               presentation;  // "" = not given
   std::optional<std::int64_t> slice, frame;

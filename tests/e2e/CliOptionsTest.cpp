@@ -6,7 +6,8 @@ namespace vernier::test {
 namespace {
 
 TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
-  for (const char* c : {"info", "render", "bench", "sheet", "compare", "phantom", "doctor", "plugins"}) {
+  for (const char* c :
+       {"info", "render", "bench", "sheet", "compare", "phantom", "doctor", "plugins", "qa"}) {
     const ProgramRun r = vernier({c, "--help"});
     EXPECT_EQ(r.exitCode, 0) << show(r);
     EXPECT_NE(r.out.find("Example"), std::string::npos) << c;

@@ -59,6 +59,7 @@ class WindowDriver {
     send({InputEvent::Kind::Key, 0, 0, k, false, {}});
     if (ctrl) send({InputEvent::Kind::Key, 0, 0, GLFW_KEY_LEFT_CONTROL, false, {}});
   }
+  void hold(int k, bool down) { send({InputEvent::Kind::Key, 0, 0, k, down, {}}); }
   void click(double x, double y, int b = 0) {
     move(x, y);
     button(b, true);

@@ -99,4 +99,16 @@ std::string titleOf(const app::Session& session, const VolumeFile& file) {
   return std::filesystem::path(session.study().files[file.file].path).filename().string();
 }
 
+std::optional<std::int64_t> nearestImage(const SourceFacts& f, PatientPoint p) {
+  std::optional<std::int64_t> best;
+  double closest = 0;
+  for (const ImageFrameInfo& frame : f.frames) {
+    if (!frame.plane) continue;
+    const PatientVec n = cross(frame.plane->rowDirection, frame.plane->columnDirection);
+    const double d = std::abs(dot(p - frame.plane->origin, n));
+    if (!best || d < closest) closest = d, best = frame.index;
+  }
+  return best;
+}
+
 }  // namespace vernier::ui

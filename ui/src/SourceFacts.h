@@ -35,6 +35,9 @@ struct SourceFacts {
   std::int64_t count() const { return static_cast<std::int64_t>(frames.size()); }
 };
 
+// The image whose plane lies nearest to the point; nullopt where images have no place.
+std::optional<std::int64_t> nearestImage(const SourceFacts&, PatientPoint);
+
 SourceFacts factsOf(const app::Session&, app::StackChoice, int document);
 // Of a file whose header could be read: its voxels need not be there.
 SourceFacts factsOfVolumeFile(const app::Session&, app::StackChoice, int document);

@@ -11,18 +11,6 @@ namespace vernier::ui {
 namespace {
 
 constexpr std::size_t kMostSteps = 500;
-// The image whose plane lies nearest to the point; nullopt where images have no place.
-std::optional<std::int64_t> nearestImage(const SourceFacts& f, PatientPoint p) {
-  std::optional<std::int64_t> best;
-  double closest = 0;
-  for (const ImageFrameInfo& frame : f.frames) {
-    if (!frame.plane) continue;
-    const PatientVec n = cross(frame.plane->rowDirection, frame.plane->columnDirection);
-    const double d = std::abs(dot(p - frame.plane->origin, n));
-    if (!best || d < closest) closest = d, best = frame.index;
-  }
-  return best;
-}
 
 // How grey is shown, whatever shows it: a window and an inversion that somebody chose outlive a change of
 // view.
@@ -228,8 +216,9 @@ void Workspace::scroll(int t, int notches) {
   Scene scene = tile(t).scene;
   if (imageOf(scene)) {
     scene = scrolledImage(std::move(scene), notches, f->count());
-    if (!(scene == tile(t).scene)) edit(Gesture::Scroll, t), at(t).scene = std::move(scene);
-    return;
+    if (scene == tile(t).scene) return;
+    edit(Gesture::Scroll, t), at(t).scene = std::move(scene);
+    return follow(t, notches);
   }
   const SliceLayer* before = sliceOf(scene);
   if (!before || !f->grid) return;
@@ -240,6 +229,7 @@ void Workspace::scroll(int t, int notches) {
   at(t).scene = std::move(scene);
   if (const auto it = a.crosshairs.find(f->linkKey); it != a.crosshairs.end())
     placeThrough(a, f->linkKey, it->second + moved);
+  follow(t, notches);
 }
 
 void Workspace::setImage(int t, std::int64_t index) {
@@ -288,6 +278,9 @@ void Workspace::setScene(int t, Gesture kind, Scene scene) {
   if (scene == tile(t).scene) return;
   edit(kind, t);
   at(t).scene = std::move(scene);
+  if (kind == Gesture::Pan || kind == Gesture::Zoom)
+    for (const int other : shown())
+      if (follows(other, t)) at(other).scene.camera = tile(t).scene.camera;
 }
 
 void Workspace::placeThrough(Arrangement& a, const std::string& key, PatientPoint p) {

@@ -36,10 +36,13 @@ struct Arrangement {
   std::optional<int> maximised;
   // Where the linked planes cross, one for each link key.
   std::map<std::string, PatientPoint> crosshairs;
+  bool together = false;  // pictures of one view are scrolled, moved and magnified together
+  // The image that each tile showed when that began: the offset between stacks that share no coordinates.
+  std::array<std::int64_t, kTiles> togetherFrom{};
   friend bool operator==(const Arrangement&, const Arrangement&) = default;
 };
 
-enum class Gesture { Open, Layout, Scroll, Window, Pan, Zoom, Crosshair, Reset, Invert };
+enum class Gesture { Together, Open, Layout, Scroll, Window, Pan, Zoom, Crosshair, Reset, Invert };
 
 // A window to choose: of the file, of the list of CT presets, automatic.
 struct WindowChoice {
@@ -94,6 +97,12 @@ class Workspace {
   std::optional<PatientPoint> crosshair(int t) const;
   bool linked(int a, int b) const;
 
+  // What is done to one of the shown pictures is done to the others of the same view: images follow by their
+  // place where both lie in one frame of reference, else by the offset that they have now, which is the
+  // user's act ("manual").
+  void setTogether(bool);
+  bool togetherIsManual() const;
+
   // Everything until endDrag() is one step of undo; false when it made none.
   void beginDrag();
   bool endDrag();
@@ -109,6 +118,8 @@ class Workspace {
   Arrangement& edit(Gesture, int t);
   Tile& at(int t) { return now_.tiles[static_cast<std::size_t>(t)]; }
   void placeThrough(Arrangement&, const std::string& linkKey, PatientPoint);
+  bool follows(int other, int t) const;
+  void follow(int t, int notches);
   std::optional<Scene> sceneFor(const SourceFacts&, const std::string& view) const;
   PatientPoint firstCrosshair(const SourceFacts&, const Scene& shown) const;
 

@@ -24,6 +24,8 @@ constexpr Binding kBindings[] = {
     {"I", "inverts"},
     {"R", "whole picture in sight again"},
     {"F2  F3  F4", "stack, two side by side, MPR"},
+    {"T", "scrolls, moves and magnifies pictures of one view together"},
+    {"K, hold F", "two side by side: wipe under the pointer; the other one instead"},
     {"Ctrl+Z, Ctrl+Y", "undo, redo"},
     {"Ctrl+B", "shows or hides the list of studies"},
     {"Esc", "cancels loading, closes this"},

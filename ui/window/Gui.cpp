@@ -69,6 +69,9 @@ void Gui::keys() {
                                         {GLFW_KEY_S, Tool::Scroll}};
   for (const auto& [key, tool] : tools)
     if (pressed(key)) tool_ = tool;
+  if (pressed(GLFW_KEY_T)) w.setTogether(!w.now().together);
+  if (pressed(GLFW_KEY_K)) wipe_ = !wipe_ && mayLayOver();
+  if (pressed(GLFW_KEY_F)) (void)mayLayOver();  // says why not; while it is down: TilePanel.cpp
   if (pressed(GLFW_KEY_I)) w.invert(active);
   if (pressed(GLFW_KEY_R)) w.resetView(active);
   if (ImGui::IsKeyPressed(GLFW_KEY_DOWN) || ImGui::IsKeyPressed(GLFW_KEY_PAGE_DOWN)) w.scroll(active, 1);

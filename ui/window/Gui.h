@@ -60,6 +60,8 @@ class Gui {
   void tile(int t, Rect);
   void tileHeader(int t, Rect);
   void picture(int t, Rect);
+  void compared(int t, Rect);
+  bool mayLayOver();
   void references(int t, Rect);
   void emptyTile(Rect);
   void volumeState(int t, Rect);
@@ -89,6 +91,8 @@ class Gui {
   Tool tool_ = Tool::Window;
   std::optional<Drag> drag_;
   bool clickMadeStep_ = false;  // the last click, without a move, was a step of undo
+  bool wipe_ = false;           // of the two pictures side by side
+  float wipeAt_ = 0.5f;         // share of the width
   float wheel_ = 0;             // parts of a notch
   Probe probe_;
   std::string why_;

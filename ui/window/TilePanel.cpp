@@ -93,6 +93,8 @@ void Gui::tile(int t, Rect r) {
     picture(t, area);
     hands(t, area, hovered);
     if (hovered) probe(t, area), hoverDetails(t, area);
+    if (hovered && wipe_ && !drag_ && area.w > 0)
+      wipeAt_ = std::clamp((ImGui::GetIO().MousePos.x - area.x) / area.w, 0.0f, 1.0f);
   }
   draw->PopClipRect();
   if (w.now().active == t && w.now().layout != Layout::Single)
@@ -111,7 +113,9 @@ void Gui::tileHeader(int t, Rect r) {
   draw->AddRectFilled({r.x + pad, middle - chip / 2}, {r.x + pad + chip, middle + chip / 2},
                       colourOfView(tile.view), theme_.px(2));
   ImFont* bold = theme_.small;
-  const std::string title = viewTitle(tile.view);
+  std::string title = viewTitle(tile.view);
+  if (w.now().together && w.shown().size() > 1)
+    title += w.togetherIsManual() ? ", together (manual)" : ", together";
   float x = r.x + pad + chip + theme_.px(7);
   const float y = middle - bold->FontSize / 2;
   draw->AddText(bold, bold->FontSize, {x, y}, colour::kText, title.c_str());
@@ -192,6 +196,7 @@ void Gui::picture(int t, Rect r) {
   // While the window is resized the picture of the old size stays in the middle, never stretched.
   const float x = r.x + std::round((r.w - w) / 2), y = r.y + std::round((r.h - h) / 2);
   ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(texture), {x, y}, {x + w, y + h});
+  compared(t, {x, y, w, h});
   references(t, {x, y, w, h});
 }
 

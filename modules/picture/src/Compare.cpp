@@ -71,6 +71,14 @@ Result<Difference> comparePictures(const Picture& a, const Picture& b) {
   return d;
 }
 
+Result<std::array<std::uint64_t, 256>> differenceHistogram(const Picture& a, const Picture& b) {
+  if (const Result<void> r = checkSame(a, b); !r) return r.error();
+  std::array<std::uint64_t, 256> n{};
+  const std::size_t pixels = a.pixels.size() / static_cast<std::size_t>(a.channels);
+  for (std::size_t i = 0; i < pixels; ++i) ++n[static_cast<std::size_t>(pixelDifference(a, b, i))];
+  return n;
+}
+
 Result<Picture> heatmap(const Picture& a, const Picture& b) {
   if (Result<void> same = checkSame(a, b); !same) return same.error();
   Picture out(a.width, a.height);

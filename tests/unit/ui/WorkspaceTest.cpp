@@ -122,6 +122,62 @@ TEST(Workspace, AStackOfTheSameFrameGoesToTheNearestImage) {
   EXPECT_EQ(imageOf(w.tile(3).scene)->index, 6);
 }
 
+std::int64_t imageAt(const Workspace& w, int t) { return imageOf(w.tile(t).scene)->index; }
+
+Workspace pair(const std::string& linkOfSecond) {
+  Workspace w = withStack();
+  SourceFacts f = axialFacts(0, "b");
+  if (!linkOfSecond.empty()) f.linkKey = linkOfSecond;
+  w.know(f);
+  w.setLayout(Layout::Pair);
+  w.open({0, "b"}, 1);
+  return w;
+}
+
+TEST(Workspace, TogetherImagesFollowByTheirPlaceInOneFrameOfReference) {
+  Workspace w = pair("");
+  ASSERT_TRUE(w.linked(0, 1));
+  w.scroll(1, 3);
+  EXPECT_EQ(imageAt(w, 0), 10);  // each by itself at first
+  w.setTogether(true);
+  EXPECT_FALSE(w.togetherIsManual());
+  w.scroll(0, -2);
+  EXPECT_EQ(imageAt(w, 0), 8);
+  EXPECT_EQ(imageAt(w, 1), 8);  // by place, whatever the offset was
+  w.undo();
+  EXPECT_EQ(imageAt(w, 0), 10);
+  EXPECT_EQ(imageAt(w, 1), 13);
+}
+
+TEST(Workspace, TogetherWithoutACommonFrameTheOffsetIsKeptAndItIsCalledManual) {
+  Workspace w = pair("elsewhere");
+  ASSERT_FALSE(w.linked(0, 1));
+  w.scroll(1, 3);
+  w.setTogether(true);
+  EXPECT_TRUE(w.togetherIsManual());
+  w.scroll(0, -2);
+  EXPECT_EQ(imageAt(w, 0), 8);
+  EXPECT_EQ(imageAt(w, 1), 11);
+  w.scroll(0, 1000);  // to the end and back: nothing is lost at the other's end
+  const std::int64_t last = imageAt(w, 0);
+  w.scroll(0, 8 - static_cast<int>(last));
+  EXPECT_EQ(imageAt(w, 0), 8);
+  EXPECT_EQ(imageAt(w, 1), 11);
+  w.setTogether(false);
+  w.scroll(0, 1);
+  EXPECT_EQ(imageAt(w, 1), 11);
+}
+
+TEST(Workspace, TogetherPanAndZoomAreShared) {
+  Workspace w = pair("elsewhere");
+  w.setTogether(true);
+  Scene zoomedIn = w.tile(0).scene;
+  zoomedIn.camera.zoom = 2.5;
+  w.setScene(0, Gesture::Zoom, zoomedIn);
+  EXPECT_EQ(w.tile(1).scene.camera.zoom, 2.5);
+  EXPECT_EQ(imageAt(w, 1), 10);
+}
+
 TEST(Workspace, TwoPeopleSideBySideAreTold) {
   Workspace w = withStack();
   w.know(axialFacts(1, "b", "1.2.3", "B"));

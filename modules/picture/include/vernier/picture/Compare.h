@@ -2,6 +2,9 @@
 // How far two 8-bit pictures are apart, in levels of 255. All channels count alike; identical pictures give
 // exactly 0. Pictures of different size or number of channels are refused (OptionInvalid), never resampled.
 #pragma once
+#include <array>
+#include <cstdint>
+
 #include "vernier/base/Result.h"
 #include "vernier/picture/Picture.h"
 
@@ -16,6 +19,9 @@ struct Difference {
 };
 
 VERNIER_API Result<Difference> comparePictures(const Picture& a, const Picture& b);
+
+// How many pixels have which largest channel difference.
+VERNIER_API Result<std::array<std::uint64_t, 256>> differenceHistogram(const Picture& a, const Picture& b);
 
 // Each pixel's largest channel difference as a colour: 0 black, then log2(1 + d) / 8 from blue over green and
 // yellow to white at 255, the same for all pictures so that heatmaps can be compared.
