@@ -71,7 +71,8 @@ void print(const measure::Entry& e) {
 int run(const GlobalOptions& global, const Options& o) {
   if (!o.sr.empty())
     return report(makeError(ErrorCode::NotBuiltYet,
-                            "Structured reports are not built yet; --out writes the measurements as JSON.", "--sr"));
+                            "Structured reports are not built yet; --out writes the measurements as JSON.",
+                            "--sr"));
   // The list first: a mistake in it needs no study to be found.
   const Result<std::vector<measure::Entry>> spec = readSpec(o.spec);
   if (!spec) return report(spec.error());
@@ -80,7 +81,8 @@ int run(const GlobalOptions& global, const Options& o) {
   if (const Result<void> r = measuringPlugin(*session); !r) return report(r.error());
   if (const Result<void> r = openAll(*session, o, global); !r) return report(r.error());
   for (const std::string& file : o.inputs)
-    if (const Result<void> r = keepSources(session.get(), {file}, o.out, "--out"); !r) return report(r.error());
+    if (const Result<void> r = keepSources(session.get(), {file}, o.out, "--out"); !r)
+      return report(r.error());
   measure::MeasurementList list;
   list.load(*spec);
   const measure::Sources sources = measureSources(*session, interruptToken());
@@ -101,7 +103,8 @@ int run(const GlobalOptions& global, const Options& o) {
     std::cout << json << std::flush;
   else
     for (std::size_t n = 0; n < list.size(); ++n) print(list.at(n));
-  if (!o.json && list.size() > 0) std::printf("+/- is expanded uncertainty, k = 2; %s\n", measure::kNotIncluded);
+  if (!o.json && list.size() > 0)
+    std::printf("+/- is expanded uncertainty, k = 2; %s\n", measure::kNotIncluded);
   return first ? report(*first) : 0;
 }
 
@@ -111,9 +114,11 @@ Command addMeasure(CLI::App& app, GlobalOptions& global) {
   const auto o = std::make_shared<Options>();
   CLI::App* sub = app.add_subcommand(
       "measure", "Lengths, angles, regions, distances and volumes, each with its uncertainty");
-  sub->add_option("INPUT", o->inputs, "Files or folders: DICOM, volume files, surfaces (docs/files.md)")->required();
+  sub->add_option("INPUT", o->inputs, "Files or folders: DICOM, volume files, surfaces (docs/files.md)")
+      ->required();
   sub->add_option("--spec", o->spec, "What to measure, JSON (docs/measurements.md)")->required();
-  sub->add_option("--series", o->series, "Which series a source of \"\" means: UID, name or number in `vernier info`");
+  sub->add_option("--series", o->series,
+                  "Which series a source of \"\" means: UID, name or number in `vernier info`");
   sub->add_option("--surface", o->surfaces, "Surface file that measurements name (repeatable)");
   sub->add_option("--out", o->out, "Write the list with its results, JSON");
   sub->add_flag("--json", o->json, "The same on standard output");

@@ -15,7 +15,9 @@ Result<measure::Image> imageOf(Session& session, const std::string& source, std:
   if (!image) return image.error();
   measure::Image out{*image, {}, {}};
   const Result<StackChoice> choice = session.choose(source);
-  const Stack* const stack = source.empty() ? session.chosenStack() : choice ? session.stackOf(*choice) : nullptr;
+  const Stack* const stack = source.empty() ? session.chosenStack()
+                             : choice       ? session.stackOf(*choice)
+                                            : nullptr;
   if (!stack || frame < 0 || frame >= static_cast<std::int64_t>(stack->slices.size())) return out;
   const SliceRef slice = stack->slices[static_cast<std::size_t>(frame)];
   Result<PixelCalibration> calibration = pixelCalibration(session.study(), slice.instance);
@@ -30,7 +32,9 @@ Result<measure::Image> imageOf(Session& session, const std::string& source, std:
 measure::Sources measureSources(Session& session, std::stop_token stop) {
   measure::Sources s;
   s.volume = [&session, stop](const std::string& source) { return session.volume(source, {}, stop); };
-  s.image = [&session](const std::string& source, std::int64_t frame) { return imageOf(session, source, frame); };
+  s.image = [&session](const std::string& source, std::int64_t frame) {
+    return imageOf(session, source, frame);
+  };
   s.surface = [&session](const std::string& name) -> MeshResult {
     const auto file = session.surface(name);
     if (file) return file->mesh;
@@ -50,13 +54,13 @@ measure::Sources measureSources(Session& session, std::stop_token stop) {
 
 Result<void> measuringPlugin(const Session& session) {
   const auto& all = session.plugins();
-  if (std::any_of(all.begin(), all.end(), [](const PluginInfo& p) {
-        return p.name == "measure" && p.state == PluginState::Loaded;
-      }))
+  if (std::any_of(all.begin(), all.end(),
+                  [](const PluginInfo& p) { return p.name == "measure" && p.state == PluginState::Loaded; }))
     return {};
-  return makeError(ErrorCode::PluginMissing,
-                   "Measuring needs the plugin `measure`; `vernier plugins` tells where plugins are looked for.",
-                   "measure");
+  return makeError(
+      ErrorCode::PluginMissing,
+      "Measuring needs the plugin `measure`; `vernier plugins` tells where plugins are looked for.",
+      "measure");
 }
 
 }  // namespace vernier::app

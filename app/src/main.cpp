@@ -69,9 +69,10 @@ int runCli(int argc, char** argv) {
   app.add_option("--trace", global.traceFile, "Write spans of the work in Chrome's trace format");
   app.add_flag("--quiet", global.quiet, "No progress on the terminal");
 
-  std::vector<Command> commands = {addView(app, global),    addInfo(app, global),   addRender(app, global),
-                                   addSheet(app, global),   addBench(app, global),  addCompare(app, global),
-                                   addMeasure(app, global), addPhantom(app, global), addDoctor(app, global), addPlugins(app, global)};
+  std::vector<Command> commands = {addView(app, global),    addInfo(app, global),    addRender(app, global),
+                                   addSheet(app, global),   addBench(app, global),   addCompare(app, global),
+                                   addMeasure(app, global), addPhantom(app, global), addDoctor(app, global),
+                                   addPlugins(app, global)};
   std::vector<Command> notYet;
   for (const Later& later : kLater) {
     CLI::App* sub = app.add_subcommand(later.name, std::string(later.what) + " (not built yet)");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Volumes, frames and sources for the tests of measuring.
 #pragma once
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,8 +32,8 @@ std::shared_ptr<const Volume> volumeOf(const GridGeometry& grid, Fn&& value) {
       for (std::int64_t i = 0; i < grid.columns; ++i) {
         const glm::dvec3 first = grid.even() ? glm::dvec3(0, 0, static_cast<double>(k))
                                              : grid.sliceOrigin_vox[static_cast<std::size_t>(k)];
-        values.push_back(static_cast<float>(
-            value((grid.patientFromVoxel * VoxelPoint(first + glm::dvec3(i, j, 0))).p)));
+        values.push_back(
+            static_cast<float>(value((grid.patientFromVoxel * VoxelPoint(first + glm::dvec3(i, j, 0))).p)));
       }
   auto made = Volume::make(std::move(info), bytesOfFloats(values));
   EXPECT_TRUE(made.ok()) << (made.ok() ? "" : made.error().text());
@@ -57,7 +58,8 @@ inline Sources sourcesOf(std::shared_ptr<const Volume> v) {
 }
 
 inline std::shared_ptr<const ImageFrame> frameOf(std::int64_t columns, std::int64_t rows,
-                                                 const std::vector<std::int16_t>& values, ImageFrameInfo info = {}) {
+                                                 const std::vector<std::int16_t>& values,
+                                                 ImageFrameInfo info = {}) {
   info.columns = columns, info.rows = rows, info.type = VoxelType::I16;
   Buffer b = std::move(Buffer::make(values.size() * 2)).value();
   std::memcpy(b.data(), values.data(), values.size() * 2);
@@ -93,9 +95,7 @@ class Draws {
     const double u = 1 - unit();
     return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * unit());
   }
-  glm::dvec3 direction() {
-    return glm::normalize(glm::dvec3(normal(), normal(), normal()));
-  }
+  glm::dvec3 direction() { return glm::normalize(glm::dvec3(normal(), normal(), normal())); }
 
  private:
   std::uint64_t seed_, n_ = 0;
