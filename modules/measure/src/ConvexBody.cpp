@@ -72,7 +72,8 @@ Face faceOf(const std::vector<HalfSpace>& planes, std::size_t n) {
     if (glm::length(across) < 1e-12) {
       // Parallel: outside of it nothing is left; the same plane given twice counts once, as the first.
       const bool same = glm::dot(planes[m].normal.v, mine.normal.v) > 0;
-      if (room < 0 || (room == 0 && same && m < n)) face.clear();
+      const double equal = 1e-12 * (1 + std::abs(mine.offset_mm));  // mm; the offset times a rounded normal
+      if (room < -equal || (room <= equal && same && m < n)) face.clear();
       continue;
     }
     face = clip(face, across, room, static_cast<int>(m));

@@ -94,7 +94,8 @@ void addArea(Work& w, const Flat& f) {
   const bool crosses = !f.ellipse && crossesItself(f.outline);
   const glm::dvec2 d = f.outline[2] - f.outline[0];
   const double area = f.ellipse ? kPi / 4 * std::abs(d.x * d.y) : areaOf(f.outline);
-  if (!(area > 0)) refuse("The outline encloses nothing; draw it again.");
+  const double around = lengthOf(f.outline);
+  if (!(area > 1e-12 * around * around)) refuse("The outline encloses nothing; draw it again.");
   if (crosses) w.note("the outline crosses itself: even-odd");
   w.add(w.name("area"), area, w.unit + "2", w.expanded(areaVariance(w, f, crosses)));
 }
