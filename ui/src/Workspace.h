@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "Place.h"
+#include "vernier/measure/Measurement.h"
 
 namespace vernier::ui {
 
@@ -28,6 +29,13 @@ struct Tile {
   friend bool operator==(const Tile&, const Tile&) = default;
 };
 
+// A measurement upon what a document has open.
+struct Drawn {
+  int document = -1;
+  measure::Measurement what;
+  friend bool operator==(const Drawn&, const Drawn&) = default;
+};
+
 // All that undo brings back.
 struct Arrangement {
   Layout layout = Layout::Single;
@@ -36,10 +44,11 @@ struct Arrangement {
   std::optional<int> maximised;
   // Where the linked planes cross, one for each link key.
   std::map<std::string, PatientPoint> crosshairs;
+  std::vector<Drawn> measurements;  // in the order of their making; ids are unique
   friend bool operator==(const Arrangement&, const Arrangement&) = default;
 };
 
-enum class Gesture { Open, Layout, Scroll, Window, Pan, Zoom, Crosshair, Reset, Invert };
+enum class Gesture { Open, Layout, Scroll, Window, Pan, Zoom, Crosshair, Reset, Invert, Measure };
 
 // A window to choose: of the file, of the list of CT presets, automatic.
 struct WindowChoice {
@@ -93,6 +102,12 @@ class Workspace {
   void moveCrosshair(int t, PatientPoint);
   std::optional<PatientPoint> crosshair(int t) const;
   bool linked(int a, int b) const;
+
+  // Gives it an id of its own where it has none or one that is taken; returns the id. WorkspaceMeasure.cpp.
+  std::string addMeasurement(int document, measure::Measurement);
+  void changeMeasurement(const measure::Measurement&);  // the one of this id
+  void removeMeasurement(const std::string& id);
+  const Drawn* measurement(const std::string& id) const;  // nullptr: none
 
   // Everything until endDrag() is one step of undo; false when it made none.
   void beginDrag();

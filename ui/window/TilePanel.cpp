@@ -61,6 +61,7 @@ void Gui::tiles(Rect r) {
     ImGui::PopID();
   }
   drag();
+  dragHandle();
   ImGui::End();
 }
 
@@ -193,6 +194,7 @@ void Gui::picture(int t, Rect r) {
   const float x = r.x + std::round((r.w - w) / 2), y = r.y + std::round((r.h - h) / 2);
   ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(texture), {x, y}, {x + w, y + h});
   references(t, {x, y, w, h});
+  measurements(t, {x, y, w, h});
 }
 
 void Gui::references(int t, Rect r) {
@@ -255,6 +257,7 @@ void Gui::hands(int t, Rect r, bool hovered) {
     else
       w.scroll(t, -notches);
   }
+  if (measureHands(t, r, hovered)) return;
   if (!hovered || drag_) return;
   if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
     // The first of the two clicks may have moved the crosshair, which was not meant.
