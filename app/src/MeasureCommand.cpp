@@ -59,7 +59,7 @@ void print(const measure::Entry& e) {
     line += (n > 0 ? ", " : " ") + q.name + " " + measure::displayText(q);
   }
   if (const auto& s = e.said->values) {
-    const auto say = [](double x) { return measure::displayText({"", x, "", std::nullopt}); };
+    const auto say = [&](double x) { return measure::displayLike(x, e.said->quantities.at(1)); };
     line += ", min " + say(s->min) + ", max " + say(s->max) + ", median " + say(s->median);
     if (s->sd) line += ", SD " + say(*s->sd);
   }

@@ -45,12 +45,14 @@ void Gui::measureRow(const Drawn& d, int number) {
     for (const measure::Quantity& q : (*said)->quantities)
       ImGui::TextUnformatted((q.name + "  " + measure::displayText(q)).c_str());
     if (const auto& s = (*said)->values) {
-      const auto text = [](double x) { return measure::displayText({"", x, "", std::nullopt}); };
+      const measure::Quantity& mean = (*said)->quantities.at(1);
+      const auto text = [&](double x) { return measure::displayLike(x, mean); };
       ImGui::TextUnformatted(("median " + text(s->median) + "  min " + text(s->min) + "  max " +
                               text(s->max) + (s->sd ? "  SD " + text(*s->sd) : ""))
                                  .c_str());
     }
-    if (!(*said)->quantities.empty()) ImGui::TextDisabled("%s", (*said)->originText.c_str());
+    if (!(*said)->quantities.empty() && (*said)->quantities.front().unit != "deg")
+      ImGui::TextDisabled("%s", (*said)->originText.c_str());
     for (const std::string& note : (*said)->notes) ImGui::TextDisabled("%s", note.c_str());
   }
   ImGui::PopTextWrapPos();

@@ -27,7 +27,7 @@ std::string labelOf(const measure::Measurement& m, const Result<measure::Measure
     if (q.name == "mean") {
       text += "\nmean " + measure::displayText(q);
       const auto& sd = (*said)->values->sd;
-      if (sd) text += ", SD " + measure::displayText({"", *sd, "", std::nullopt});
+      if (sd) text += ", SD " + measure::displayLike(*sd, q);
     }
   if ((*said)->quantities.front().name.starts_with("projected")) text += "\nprojected";
   return text;

@@ -34,23 +34,40 @@ std::string atPlace(double x, int exponent) {
   return withoutSign(fixed(x, -exponent));
 }
 
+std::string sixDigits(double x) {
+  char text[64];
+  return {text, std::to_chars(text, text + sizeof text, x, std::chars_format::general, 6).ptr};
+}
+
+// One digit, rounded up: 0.42 -> 5 of 10^-1, 0.96 -> 1 of 10^0. What is a whole digit but for rounding stays.
+struct Rounded {
+  double digit;
+  int exponent;
+};
+std::optional<Rounded> roundedUp(const std::optional<double>& expanded) {
+  if (!expanded || !(*expanded > 0) || !std::isfinite(*expanded)) return std::nullopt;
+  Rounded r{0, static_cast<int>(std::floor(std::log10(*expanded)))};
+  r.digit = std::ceil(*expanded / std::pow(10.0, r.exponent) * (1 - 1e-12));
+  if (r.digit >= 10) r = {1, r.exponent + 1};
+  return r;
+}
+
 }  // namespace
 
 const char* nameOf(Origin o) { return kOrigins[static_cast<std::size_t>(o)]; }
 
 std::string displayText(const Quantity& q) {
   if (!std::isfinite(q.value)) return "no value";
-  if (!q.expanded || !(*q.expanded > 0) || !std::isfinite(*q.expanded)) {
-    char text[64];
-    const auto end = std::to_chars(text, text + sizeof text, q.value, std::chars_format::general, 6).ptr;
-    return std::string(text, end) + unitText(q.unit);
-  }
-  // One digit, rounded up: 0.42 -> 0.5, 0.96 -> 1. What is a whole digit but for rounding stays.
-  int exponent = static_cast<int>(std::floor(std::log10(*q.expanded)));
-  double digit = std::ceil(*q.expanded / std::pow(10.0, exponent) * (1 - 1e-12));
-  if (digit >= 10) digit = 1, ++exponent;
-  return atPlace(q.value, exponent) + " \u00b1 " + atPlace(digit * std::pow(10.0, exponent), exponent) +
-         unitText(q.unit);
+  const auto r = roundedUp(q.expanded);
+  if (!r) return sixDigits(q.value) + unitText(q.unit);
+  return atPlace(q.value, r->exponent) + " \u00b1 " +
+         atPlace(r->digit * std::pow(10.0, r->exponent), r->exponent) + unitText(q.unit);
+}
+
+std::string displayLike(double value, const Quantity& q) {
+  const auto r = roundedUp(q.expanded);
+  if (!std::isfinite(value)) return "no value";
+  return r ? atPlace(value, r->exponent) : sixDigits(value);
 }
 
 }  // namespace vernier::measure

@@ -189,6 +189,9 @@ TEST(MeasurementDisplay, NoDigitIsFinerThanTheUncertainty) {
   EXPECT_EQ(text(89.97, 1.2, "deg"), "90 \u00b1 2\u00b0");
   EXPECT_EQ(displayText({"", 12, "1", std::nullopt}), "12");
   EXPECT_EQ(displayText({"", 1234567.891, "HU", std::nullopt}), "1.23457e+06 HU");
+  EXPECT_EQ(displayLike(7.45295, {"mean", 30.1, "HU", 0.4}), "7.5");
+  EXPECT_EQ(displayLike(7.45295, {"mean", 30.1, "HU", 4}), "7");
+  EXPECT_EQ(displayLike(7.45295, {"mean", 30.1, "HU", std::nullopt}), "7.45295");
   Draws d(23);
   for (int n = 0; n < 2000; ++n) {
     const double v = d.normal() * std::pow(10, d.within(-3, 5)), u = std::pow(10, d.within(-4, 4));

@@ -39,6 +39,9 @@ struct Quantity {
 // "52.3 ± 0.5 mm": the +/- rounded up to one digit, the value to the same place, so that no digit is finer
 // than it. Without one: six digits. The same in every locale.
 VERNIER_API std::string displayText(const Quantity&);
+// Another value of the same kind, such as the SD beside a mean: to the place that the quantity is shown to,
+// with its unit left out.
+VERNIER_API std::string displayLike(double value, const Quantity&);
 
 struct Histogram {
   double first = 0, width = 0;  // bin n: first + n width <= x < first + (n + 1) width, the last one closed
