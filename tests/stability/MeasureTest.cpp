@@ -116,7 +116,7 @@ TEST(Stability, H03_PolygonsCrossedTurnedAndFarAway) {
   };
   EXPECT_FALSE(region({{1, 1, 0}, {9, 9, 0}}).ok());
   const Measured bow = said(region({{1, 1, 0}, {11, 11, 0}, {11, 1, 0}, {1, 11, 0}}));
-  EXPECT_NEAR(bow.quantities[0].value, 50, 1e-12);
+  EXPECT_NEAR(bow.quantities.at(0).value, 50, 1e-12);
   EXPECT_THAT(bow.notes, ::testing::Contains("the outline crosses itself: even-odd"));
   EXPECT_EQ(bow.values->n, 60u);  // centres no farther from the middle in y than in x
 }
@@ -269,19 +269,37 @@ TEST(Stability, H06_MillimetresOnlyWhereTheFileGivesThem) {
           measure(inImage(Length{{Spot(10, 10, 0), Spot(10, 10, 0) + d}}), sourcesOf(*frame, *calibration)));
     };
     const Measured across = length({10, 0, 0}), down = length({0, 10, 0});
-    EXPECT_NEAR(across.quantities[0].value, c.across, 1e-9);
-    EXPECT_EQ(across.quantities[0].unit, c.unit);
+    EXPECT_NEAR(across.quantities.at(0).value, c.across, 1e-9);
+    EXPECT_EQ(across.quantities.at(0).unit, c.unit);
     EXPECT_EQ(across.origin, c.origin) << across.originText;
     if (std::string(c.name) != "us, one end outside") {
-      EXPECT_NEAR(down.quantities[0].value, c.down, 1e-9);
+      EXPECT_NEAR(down.quantities.at(0).value, c.down, 1e-9);
     }
     // The user's own calibration stands above all, and says so.
     Measurement m = inImage(Length{{Spot(10, 10, 0), Spot(20, 10, 0)}});
     m.on.userSpacing_mm = glm::dvec2(0.4, 0.3);
     const Measured user = said(measure(m, sourcesOf(*frame, *calibration)));
-    EXPECT_NEAR(user.quantities[0].value, 3, 1e-12);
+    EXPECT_NEAR(user.quantities.at(0).value, 3, 1e-12);
     EXPECT_EQ(user.originText, "mm (user)");
   }
+}
+
+TEST(Stability, H06_AVolumeFileWithoutSpacingHasNoMillimetres) {
+  VolumeInfo info = volumeOf(gridOf({8, 8, 8}, {1, 1, 1}), [](glm::dvec3) { return 0; })->info();
+  info.seriesUid.clear();
+  const auto said = [&](const char* finding, Shape shape) {
+    info.findings.clear();
+    if (*finding) info.findings.push_back({finding, Severity::Warning, "", {}});
+    const auto v = *Volume::make(info, bytesOfFloats(std::vector<float>(512, 1)));
+    return measure(inPatient(std::move(shape)), sourcesOf(v));
+  };
+  const Length line{{Spot(0, 0, 0), Spot(3, 0, 0)}};
+  EXPECT_EQ(said("", line)->quantities.at(0).unit, "mm");
+  EXPECT_EQ(said("", line)->origin, Origin::File);
+  EXPECT_EQ(said("spacing-assumed", line)->quantities.at(0).unit, "px");
+  EXPECT_EQ(said("spacing-assumed", line)->origin, Origin::Pixels);
+  EXPECT_EQ(said("spacing-assumed", IsoVolume{0.5, {}})->quantities.at(0).unit, "px3");
+  EXPECT_NE(said("length-unit-assumed", line)->originText.find("assumed"), std::string::npos);
 }
 
 // Commas for decimals and dots for thousands, for whatever streams would do; the C locale too where one is

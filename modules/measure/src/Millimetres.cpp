@@ -63,6 +63,15 @@ PixelScale projection(const ImageFrameInfo& f, const PixelCalibration& c) {
 
 }  // namespace
 
+FileScale fileScaleOf(std::span<const Finding> findings) {
+  FileScale s;
+  for (const Finding& f : findings) {
+    if (f.code == "length-unit-assumed") s.text = "mm (assumed: the file states no unit of length)";
+    if (f.code == "spacing-assumed") return {Origin::Pixels, "px, the file states no spacing"};
+  }
+  return s;
+}
+
 PixelScale pixelScaleOf(const ImageFrameInfo& f, const PixelCalibration& c, std::span<const Spot> points,
                         const std::optional<glm::dvec2>& userSpacing_mm) {
   if (userSpacing_mm && usable(*userSpacing_mm))
@@ -82,10 +91,14 @@ PixelScale pixelScaleOf(const ImageFrameInfo& f, const PixelCalibration& c, std:
     return inPixels(c, "a secondary capture without calibration");
   }
   const bool ultrasound = f.modality == "US" || f.modality == "IVUS";
-  if (usable(f.pixelSpacing_mm) && (!ultrasound || f.plane))
-    return f.sopInstanceUid.empty()
-               ? inMillimetres(f.pixelSpacing_mm, Origin::File, "mm (spacing of the file)")
-               : inMillimetres(f.pixelSpacing_mm, Origin::PixelSpacing, "mm (Pixel Spacing)");
+  if (usable(f.pixelSpacing_mm) && (!ultrasound || f.plane)) {
+    if (!f.sopInstanceUid.empty())
+      return inMillimetres(f.pixelSpacing_mm, Origin::PixelSpacing, "mm (Pixel Spacing)");
+    const FileScale file = fileScaleOf(f.findings);
+    PixelScale s = inMillimetres(f.pixelSpacing_mm, file.origin, file.text);
+    if (file.origin == Origin::Pixels) s.unit = "px";
+    return s;
+  }
   if (c.filmSpacing_mm) return inMillimetres(*c.filmSpacing_mm, Origin::Film, "mm on film");
   return inPixels(c, "");
 }

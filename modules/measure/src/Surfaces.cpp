@@ -71,7 +71,7 @@ void measureSurfaces(Work& w) {
     const MeshFacts facts = meshFacts(*mesh);
     if (!facts.closed) refuse("The surface is open, so that it encloses no volume.");
     const double scale = std::abs(glm::determinant(pose.linear));
-    w.add("volume", std::abs(facts.signedVolume_mm3) * scale, "mm3",
+    w.add("volume", std::abs(facts.signedVolume_mm3) * scale, w.unit + "3",
           s->surface.level_val && w.volume ? w.expanded(*volumeVariance(w, facts.area_mm2)) : std::nullopt);
     if (!s->surface.level_val) w.note(kOwnAccuracy);
     if (facts.signedVolume_mm3 < 0) w.note("the surface is turned inside out");

@@ -125,7 +125,8 @@ void iso(Work& w, const IsoVolume& s) {
   const Region::Count c = region.count();
   if (c.voxels == 0) refuse("No voxel reaches the level.");
   const double voxel = std::abs(glm::determinant(v.grid().patientFromVoxel.linear));
-  w.add("volume", c.thickness * voxel, "mm3", w.expanded(static_cast<double>(c.faces) * voxel * voxel / 12));
+  w.add("volume", c.thickness * voxel, w.unit + "3",
+        w.expanded(static_cast<double>(c.faces) * voxel * voxel / 12));
   w.add("n", static_cast<double>(c.voxels), "1", std::nullopt);
   w.note("the choice of the level is not included in the +/-");
   if (!v.grid().gapAfter.empty()) w.note("missing slices are left out");
@@ -137,7 +138,7 @@ void convex(Work& w, const ConvexVolume& s) {
   double variance = 0;  // each plane moves along its normal; the change of volume is its face's area
   for (std::size_t n = 0; n < body->faces.size(); ++n)
     variance += body->faces[n] * body->faces[n] * w.quadratic(body->normals[n]);
-  w.add("volume", body->volume_mm3, "mm3", w.expanded(variance));
+  w.add("volume", body->volume_mm3, w.unit + "3", w.expanded(variance));
   std::vector<Spot> corners(body->corners.begin(), body->corners.end());
   noteGaps(w, corners);
 }

@@ -72,7 +72,12 @@ void preparePatient(Work& w) {
   w.volume = *volume;
   const VolumeInfo& info = w.volume->info();
   w.out.frameOfReferenceUid = info.frameOfReferenceUid;
-  if (info.seriesUid.empty()) w.out.origin = Origin::File, w.out.originText = "mm (spacing of the file)";
+  if (info.seriesUid.empty()) {
+    const FileScale file = fileScaleOf(info.findings);
+    w.out.origin = file.origin;
+    w.out.originText = file.text;
+    if (file.origin == Origin::Pixels) w.unit = "px";
+  }
   const glm::dmat3& m = info.grid.patientFromVoxel.linear;
   const glm::dvec3 spacing = info.grid.spacing_mm();
   w.covariance =

@@ -21,7 +21,7 @@ GridGeometry randomGrid(Draws& d) {
   return g;
 }
 
-TEST(Lines, LengthsAndAnglesAreExactOnAThousandObliquePlanes) {
+TEST(Lines, LengthsAnglesAndAreasAreExactOnAThousandObliquePlanes) {
   Draws d(1);
   for (int n = 0; n < 1000; ++n) {
     const auto volume = volumeOf(randomGrid(d), [](glm::dvec3) { return 0; });
@@ -37,17 +37,30 @@ TEST(Lines, LengthsAndAnglesAreExactOnAThousandObliquePlanes) {
     m.on.screenPixel = 0.3;
     auto said = measure(m, sourcesOf(volume));
     ASSERT_TRUE(said.ok()) << said.error().text();
-    ASSERT_NEAR(said->quantities[0].value, r, 1e-9 * r);
-    ASSERT_EQ(said->quantities[0].unit, "mm");
+    ASSERT_NEAR(said->quantities.at(0).value, r, 1e-9 * r);
+    ASSERT_EQ(said->quantities.at(0).unit, "mm");
     ASSERT_EQ(said->origin, Origin::PixelSpacing);
     m.shape = Angle{origin, {at(r, turn), at(s, turn + opening * kDegree)}};
     said = measure(m, sourcesOf(volume));
     ASSERT_TRUE(said.ok()) << said.error().text();
-    ASSERT_NEAR(said->quantities[0].value, opening, 1e-9 * opening + 1e-10 * 300 / std::min(r, s)) << n;
+    ASSERT_NEAR(said->quantities.at(0).value, opening, 1e-9 * opening + 1e-10 * 300 / std::min(r, s)) << n;
     m.shape = Cobb{{origin, at(r, turn)}, {at(5, 2), at(5, 2) + at(s, turn + opening * kDegree) - origin}};
     said = measure(m, sourcesOf(volume));
     ASSERT_TRUE(said.ok());
-    ASSERT_NEAR(said->quantities[0].value, std::min(opening, 180 - opening), 1e-7);
+    ASSERT_NEAR(said->quantities.at(0).value, std::min(opening, 180 - opening), 1e-7);
+    // Areas: a triangle by both sides and the angle between them, a box and its ellipse.
+    m.on.shown = Shown::Slab;  // of a plane through nothing there are no values
+    m.shape = PolygonRegion{{origin, at(r, turn), at(s, turn + opening * kDegree)}};
+    const double triangle = 0.5 * r * s * std::sin(opening * kDegree);
+    said = measure(m, sourcesOf(volume));
+    ASSERT_TRUE(said.ok()) << said.error().text();
+    ASSERT_NEAR(said->quantities.at(0).value, triangle, 1e-9 * triangle + 1e-12 * r * s);
+    const std::array<Spot, 2> box{origin, origin + r * rightOf(axes) - s * axes.up.v};
+    m.shape = RectangleRegion{box};
+    ASSERT_NEAR(measure(m, sourcesOf(volume))->quantities.at(0).value, r * s, 1e-9 * r * s);
+    m.shape = EllipseRegion{box};
+    ASSERT_NEAR(measure(m, sourcesOf(volume))->quantities.at(0).value, std::numbers::pi / 4 * r * s,
+                1e-9 * r * s);
   }
 }
 
@@ -58,7 +71,7 @@ TEST(Lines, TheUncertaintyIsTheRuleOfTheDocument) {
     Measurement m = inPatient(Length{{glm::dvec3(1, 2, 3), glm::dvec3(1, 2, 3) + along}});
     m.on.axes = Placement::Axes{};  // normal z
     m.on.screenPixel = screen;
-    return *measure(m, sourcesOf(volume))->quantities[0].expanded;
+    return *measure(m, sourcesOf(volume))->quantities.at(0).expanded;
   };
   const auto rule = [](double spacing, double screen) {
     return 2 * std::sqrt(2 * (spacing * spacing / 12 + 0.25 * screen * screen));
@@ -70,7 +83,7 @@ TEST(Lines, TheUncertaintyIsTheRuleOfTheDocument) {
   Measurement m = inPatient(Angle{{0, 0, 0}, {glm::dvec3(10, 0, 0), glm::dvec3(0, 20, 0)}});
   const double cx = 0.5 * 0.5 / 12, cy = 0.8 * 0.8 / 12;
   const double u = std::sqrt(2 * cy / 100 + 2 * cx / 400) / kDegree;
-  EXPECT_NEAR(*measure(m, sourcesOf(volume))->quantities[0].expanded, 2 * u, 1e-9);
+  EXPECT_NEAR(*measure(m, sourcesOf(volume))->quantities.at(0).expanded, 2 * u, 1e-9);
 }
 
 // Draws from the model: uniform within a voxel along each axis, a hand's normal error in the plane.
@@ -102,7 +115,7 @@ Coverage coverage(std::uint64_t seed, MakeShape&& makeShape) {
       m.on.screenPixel = screen;
       const auto said = measure(m, sourcesOf(volume));
       EXPECT_TRUE(said.ok()) << said.error().text();
-      return said->quantities[0];
+      return said->quantities.at(0);
     };
     const double truth = say(false).value;
     const Quantity q = say(true);
@@ -166,7 +179,7 @@ TEST(Lines, TheUncertaintyCoversEdgesFoundOnABlurredNoisyPhantom) {
     const auto said = measure(inPatient(Length{{glm::dvec3(edge(from), 0, 0), glm::dvec3(edge(to), 0, 0)}}),
                               sourcesOf(volume));
     ASSERT_TRUE(said.ok());
-    covered += std::abs(said->quantities[0].value - (to - from)) <= *said->quantities[0].expanded;
+    covered += std::abs(said->quantities.at(0).value - (to - from)) <= *said->quantities.at(0).expanded;
   }
   RecordProperty("covered_percent", std::to_string(covered / 10.0));
   EXPECT_GE(covered, 900);
@@ -182,7 +195,7 @@ TEST(Lines, ProjectionsAndGapsAreSaid) {
     Measurement m = inPatient(Length{{at(a), at(b)}});
     m.on.shown = shown;
     const auto said = measure(m, sourcesOf(volume));
-    return std::pair(said->notes, said->quantities[0].name);
+    return std::pair(said->notes, said->quantities.at(0).name);
   };
   using ::testing::Contains;
   EXPECT_THAT(notes(2, 6, Shown::Slice).first, Contains("crosses missing slices"));

@@ -107,7 +107,7 @@ TEST(Regions, StatisticsOfStoredPixelsAreTheBruteForces) {
     if (said) {
       ++measured;
       expectSame(*said->values, b);
-      EXPECT_NEAR(said->quantities[0].value, areaOf(outline) * 0.54, 1e-9 * said->quantities[0].value);
+      EXPECT_NEAR(said->quantities.at(0).value, areaOf(outline) * 0.54, 1e-9 * said->quantities.at(0).value);
     } else {
       EXPECT_TRUE(b.n == 0 || areaOf(outline) == 0) << said.error().text() << " " << n;
     }
@@ -128,7 +128,7 @@ TEST(Regions, StatisticsOfStoredPixelsAreTheBruteForces) {
     ASSERT_EQ(said.ok(), round.n > 0);
     if (said) {
       expectSame(*said->values, round);
-      EXPECT_NEAR(said->quantities[0].value,
+      EXPECT_NEAR(said->quantities.at(0).value,
                   std::numbers::pi / 4 * std::abs((u.x - v.x) * (u.y - v.y)) * 0.54, 1e-9);
     }
   }
@@ -167,7 +167,7 @@ TEST(Regions, AcquiredSlicesGiveStoredPixelsWhateverTheGrid) {
         if (insideBrute(outline, i + 0.5, j + 0.5)) v.push_back(volume->probe(i, j, k).modality);
     ASSERT_TRUE(said.ok()) << said.error().text();
     expectSame(*said->values, bruteOf(v));
-    EXPECT_NEAR(said->quantities[0].value, areaOf(outline) * 0.77, 1e-9 * said->quantities[0].value);
+    EXPECT_NEAR(said->quantities.at(0).value, areaOf(outline) * 0.77, 1e-9 * said->quantities.at(0).value);
     EXPECT_THAT(said->notes, ::testing::Not(Contains("interpolated")));
   }
 }
@@ -183,7 +183,7 @@ TEST(Regions, OtherPlanesAreSampledOnTheSmallestSpacingAndSaySo) {
     m.on.axes = a;
     const auto said = measure(m, sourcesOf(volume));
     ASSERT_TRUE(said.ok()) << said.error().text();
-    EXPECT_NEAR(said->quantities[0].value, std::numbers::pi * 12, 1e-9 * 40);
+    EXPECT_NEAR(said->quantities.at(0).value, std::numbers::pi * 12, 1e-9 * 40);
     EXPECT_NEAR(static_cast<double>(said->values->n) * 0.25, std::numbers::pi * 12, 2.0);
     EXPECT_NEAR(said->values->mean, 0, 0.2);  // of a field odd about the centre, up to the edge of the grid
     EXPECT_THAT(said->notes, Contains("interpolated"));
@@ -201,7 +201,7 @@ TEST(Regions, ProjectionsHaveNoValues) {
     ASSERT_TRUE(said.ok());
     EXPECT_FALSE(said->values.has_value());
     EXPECT_EQ(said->quantities.size(), 1u);
-    EXPECT_EQ(said->quantities[0].name, "projected area");
+    EXPECT_EQ(said->quantities.at(0).name, "projected area");
     m.shape = Probe{{0, 0, 0}};
     EXPECT_FALSE(measure(m, sourcesOf(volume)).ok());
     m.shape = ThresholdRegion{0, {0, 0, 0.5}};
@@ -309,18 +309,18 @@ TEST(Regions, AProbeReadsThePixelUnderIt) {
   const auto said = measure(inImage(Probe{{7.9, 3.2, 0}}), sourcesOf(f.frame()));
   ASSERT_TRUE(said.ok()) << said.error().text();
   const double stored = f.values[3 * 40 + 7];
-  EXPECT_EQ(said->quantities[0].value, 0.7 * stored - 1024);
+  EXPECT_EQ(said->quantities.at(0).value, 0.7 * stored - 1024);
   EXPECT_EQ(said->quantities[1].value, stored);
   EXPECT_FALSE(measure(inImage(Probe{{-0.1, 3, 0}}), sourcesOf(f.frame())).ok());
   // Between slices it is interpolated and says so; on a slice it is the pixel.
   const auto volume = volumeOf(gridOf({9, 9, 9}, {1, 1, 1}), [](glm::dvec3 p) { return 10 * p.z + p.x; });
   const auto between = measure(inPatient(Probe{{0.3, 0, 0.5}}), sourcesOf(volume));
-  EXPECT_NEAR(between->quantities[0].value, 5.3, 1e-6);
+  EXPECT_NEAR(between->quantities.at(0).value, 5.3, 1e-6);
   EXPECT_THAT(between->notes, Contains("interpolated"));
   const auto on = measure(inPatient(Probe{{0.3, 0, 1}}), sourcesOf(volume));
-  EXPECT_EQ(on->quantities[0].value, 10);
+  EXPECT_EQ(on->quantities.at(0).value, 10);
   // The value changes by 10 per mm along z, whose place is known to 1 / sqrt(12) mm.
-  EXPECT_NEAR(*between->quantities[0].expanded, 2 * std::sqrt(101.0 / 12), 1e-5);
+  EXPECT_NEAR(*between->quantities.at(0).expanded, 2 * std::sqrt(101.0 / 12), 1e-5);
 }
 
 }  // namespace

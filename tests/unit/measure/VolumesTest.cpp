@@ -73,8 +73,8 @@ TEST(Volumes, IsoRegionsAreCountedInVoxels) {
     });
     const auto said = measure(inPatient(IsoVolume{50, {}}), sourcesOf(volume));
     ASSERT_TRUE(said.ok()) << said.error().text();
-    EXPECT_NEAR(said->quantities[0].value, 8 * 6 * 2 * aspect, 1e-9 * 96 * aspect);
-    EXPECT_EQ(said->quantities[0].unit, "mm3");
+    EXPECT_NEAR(said->quantities.at(0).value, 8 * 6 * 2 * aspect, 1e-9 * 96 * aspect);
+    EXPECT_EQ(said->quantities.at(0).unit, "mm3");
   }
   Draws d(12);
   int covered = 0;
@@ -86,9 +86,9 @@ TEST(Volumes, IsoRegionsAreCountedInVoxels) {
     });
     const auto said = measure(inPatient(IsoVolume{0.5, centre}), sourcesOf(volume));
     ASSERT_TRUE(said.ok());
-    covered += std::abs(said->quantities[0].value - 4.0 / 3 * std::numbers::pi * r * r * r) <=
-               *said->quantities[0].expanded;
-    EXPECT_LT(*said->quantities[0].expanded, 0.03 * said->quantities[0].value);
+    covered += std::abs(said->quantities.at(0).value - 4.0 / 3 * std::numbers::pi * r * r * r) <=
+               *said->quantities.at(0).expanded;
+    EXPECT_LT(*said->quantities.at(0).expanded, 0.03 * said->quantities.at(0).value);
   }
   EXPECT_GE(covered, 36);
 }
@@ -111,7 +111,7 @@ TEST(Volumes, ASeedTakesOneRegionAndGapsDivide) {
   ASSERT_TRUE(said.ok());
   EXPECT_EQ(said->quantities[1].value, 3 * 4 * 3)
       << "what lies beyond missing slices is not known to hang together";
-  EXPECT_NEAR(said->quantities[0].value, 3 * 4 * 3 * 2, 1e-9);
+  EXPECT_NEAR(said->quantities.at(0).value, 3 * 4 * 3 * 2, 1e-9);
   EXPECT_THAT(said->notes, Contains("missing slices are left out"));
 }
 
@@ -151,20 +151,20 @@ TEST(Volumes, DistancesToAndBetweenSurfacesAreExact) {
     const glm::dvec3 p = corner();
     auto said = measure(inPatient(PointToSurface{p, {"tool", {}, {}}}), s);
     ASSERT_TRUE(said.ok()) << said.error().text();
-    ASSERT_NEAR(said->quantities[0].value, distanceToBox(p, a, b), 1e-9);
-    ASSERT_NEAR(glm::length(said->found[1] - said->found[0]), said->quantities[0].value, 1e-12);
+    ASSERT_NEAR(said->quantities.at(0).value, distanceToBox(p, a, b), 1e-9);
+    ASSERT_NEAR(glm::length(said->found[1] - said->found[0]), said->quantities.at(0).value, 1e-12);
     said = measure(inPatient(ToolToVessel{{"tool", {}, {}}, {"vessel", {}, {}}}), s);
     ASSERT_TRUE(said.ok());
     const glm::dvec3 gap = glm::max(glm::max(c - b, a - e), glm::dvec3(0));
     const bool nested = glm::all(glm::greaterThan(c, a)) && glm::all(glm::lessThan(e, b));
     const bool inside = glm::all(glm::greaterThan(a, c)) && glm::all(glm::lessThan(b, e));
     if (!nested && !inside) {
-      ASSERT_NEAR(said->quantities[0].value, glm::length(gap), 1e-9) << n;
+      ASSERT_NEAR(said->quantities.at(0).value, glm::length(gap), 1e-9) << n;
     }
     said = measure(inPatient(SurfaceVolume{{"tool", {}, {}}}), s);
     ASSERT_TRUE(said.ok());
-    ASSERT_NEAR(said->quantities[0].value, (b.x - a.x) * (b.y - a.y) * (b.z - a.z),
-                1e-9 * said->quantities[0].value);
+    ASSERT_NEAR(said->quantities.at(0).value, (b.x - a.x) * (b.y - a.y) * (b.z - a.z),
+                1e-9 * said->quantities.at(0).value);
   }
 }
 
@@ -175,7 +175,7 @@ TEST(Volumes, SurfacesNeedAVolumeOnlyForTheirLevels) {
   };
   const auto said = measure(inPatient(SurfaceVolume{{"a", {}, {}}}), s);
   ASSERT_TRUE(said.ok()) << said.error().text();
-  EXPECT_FALSE(said->quantities[0].expanded.has_value()) << "nothing is known of the file's accuracy";
+  EXPECT_FALSE(said->quantities.at(0).expanded.has_value()) << "nothing is known of the file's accuracy";
   EXPECT_EQ(said->origin, Origin::File);
   EXPECT_FALSE(measure(inPatient(SurfaceVolume{{"", 5.0, {}}}), s).ok());
   EXPECT_FALSE(measure(inPatient(Length{{Spot(0, 0, 0), Spot(1, 0, 0)}}), s).ok());

@@ -25,4 +25,11 @@ VERNIER_API PixelScale pixelScaleOf(const ImageFrameInfo&, const PixelCalibratio
                                     std::span<const Spot> points,
                                     const std::optional<glm::dvec2>& userSpacing_mm);
 
+// Of a volume file: File; Pixels where it states no spacing, so that the 1 mm that was taken is none.
+struct FileScale {
+  Origin origin = Origin::File;
+  std::string text = "mm (spacing of the file)";
+};
+VERNIER_API FileScale fileScaleOf(std::span<const Finding>);
+
 }  // namespace vernier::measure
