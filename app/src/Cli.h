@@ -32,6 +32,7 @@ Command addRender(CLI::App&, GlobalOptions&);
 Command addBench(CLI::App&, GlobalOptions&);
 Command addSheet(CLI::App&, GlobalOptions&);
 Command addCompare(CLI::App&, GlobalOptions&);
+Command addMeasure(CLI::App&, GlobalOptions&);
 Command addPhantom(CLI::App&, GlobalOptions&);
 Command addDoctor(CLI::App&, GlobalOptions&);
 Command addView(CLI::App&, GlobalOptions&);

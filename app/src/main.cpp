@@ -21,7 +21,6 @@ struct Later {
 // Commands of DESIGN's contract whose rooms are not built yet: they say so and exit 1.
 constexpr Later kLater[] = {
     {"tradeoff", "sweeps techniques and settings on your volume: time against error"},
-    {"measure", "measures lengths, angles and regions from a specification"},
     {"export", "writes pictures and series as DICOM"},
     {"anonymise", "removes identifying values from a study"},
 };
@@ -69,10 +68,10 @@ int runCli(int argc, char** argv) {
   app.add_option("--trace", global.traceFile, "Write spans of the work in Chrome's trace format");
   app.add_flag("--quiet", global.quiet, "No progress on the terminal");
 
-  std::vector<Command> commands = {addView(app, global),    addInfo(app, global),   addRender(app, global),
-                                   addSheet(app, global),   addBench(app, global),  addCompare(app, global),
-                                   addPhantom(app, global), addDoctor(app, global), addPlugins(app, global),
-                                   addQa(app, global)};
+  std::vector<Command> commands = {addView(app, global),    addInfo(app, global),    addRender(app, global),
+                                   addSheet(app, global),   addBench(app, global),   addCompare(app, global),
+                                   addMeasure(app, global), addPhantom(app, global), addDoctor(app, global),
+                                   addPlugins(app, global), addQa(app, global)};
   std::vector<Command> notYet;
   for (const Later& later : kLater) {
     CLI::App* sub = app.add_subcommand(later.name, std::string(later.what) + " (not built yet)");

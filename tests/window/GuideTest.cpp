@@ -29,6 +29,19 @@ TEST(Guide, ItsPicturesAreOfThisWindow) {
   expectPicture("guide-window", w);
 
   w.key(GLFW_KEY_1);  // brain
+  w.key(GLFW_KEY_M);  // the list first: it makes room, and pictures change their size
+  ASSERT_TRUE(w.settle());
+  w.key(GLFW_KEY_L);
+  w.dragBy(560, 330, 160, -60);
+  w.key(GLFW_KEY_A);
+  for (const auto& [x, y] : {std::pair{560, 520}, {650, 440}, {760, 500}}) w.click(x, y);
+  w.key(GLFW_KEY_E);
+  w.dragBy(600, 340, 90, 60);
+  w.move(2, 2);
+  expectPicture("guide-measure", w);
+  w.key(GLFW_KEY_M);
+  for (int n = 0; n < 3; ++n) w.key(GLFW_KEY_Z, true);
+
   w.key(GLFW_KEY_F4);
   ASSERT_TRUE(w.settle());
   w.key(GLFW_KEY_C);

@@ -9,6 +9,7 @@
 #include "LoadService.h"
 #include "RenderService.h"
 #include "Workspace.h"
+#include "vernier/measure/Measure.h"
 
 namespace vernier::ui {
 
@@ -66,6 +67,15 @@ class Desk {
   const std::vector<std::string>& messages() const { return messages_; }
   void dismissMessages() { messages_.clear(); }
   std::optional<Place> placeOfTile(int t) const;  // of the scene as it is now
+  // DeskMeasure.cpp. What a measurement says, found once for each change of it; nullptr while its volume is
+  // not there.
+  const Result<measure::Measured>* said(const Drawn&);
+  // Of a document: why not, where measuring is switched off (no plugin); empty: it may.
+  Result<void> mayMeasure(int document) const;
+  // All measurements of a document with what they say, as docs/measurements.md has it; whole or not at all,
+  // never over what was opened. load() adds those of a file.
+  Result<void> saveMeasurements(int document, const std::string& path);
+  Result<void> loadMeasurements(int document, const std::string& path);
   std::uint64_t picturesDrawn() const { return render_.drawn(); }
 
  private:
@@ -93,6 +103,11 @@ class Desk {
   std::vector<std::string> messages_;
   std::uint64_t generation_ = 0, changes_ = 0;
   double scale_ = 1;
+  struct Said {
+    Drawn of;
+    Result<measure::Measured> result;
+  };
+  std::map<std::string, Said> said_;  // by id
   RenderService render_;
   LoadService load_;
 };

@@ -50,6 +50,7 @@ void Workspace::forget(int document) {
   std::erase_if(facts_, [&](const auto& f) { return f.first.document == document; });
   for (Tile& tile : now_.tiles)
     if (tile.source.document == document) tile = {};
+  std::erase_if(now_.measurements, [&](const Drawn& d) { return d.document == document; });
   past_.clear();
   future_.clear();
   last_.reset();

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "Place.h"
+#include "vernier/measure/Measurement.h"
 
 namespace vernier::ui {
 
@@ -28,6 +29,13 @@ struct Tile {
   friend bool operator==(const Tile&, const Tile&) = default;
 };
 
+// A measurement upon what a document has open.
+struct Drawn {
+  int document = -1;
+  measure::Measurement what;
+  friend bool operator==(const Drawn&, const Drawn&) = default;
+};
+
 // All that undo brings back.
 struct Arrangement {
   Layout layout = Layout::Single;
@@ -39,10 +47,11 @@ struct Arrangement {
   bool together = false;  // pictures of one view are scrolled, moved and magnified together
   // The image that each tile showed when that began: the offset between stacks that share no coordinates.
   std::array<std::int64_t, kTiles> togetherFrom{};
+  std::vector<Drawn> measurements;  // in the order of their making; ids are unique
   friend bool operator==(const Arrangement&, const Arrangement&) = default;
 };
 
-enum class Gesture { Together, Open, Layout, Scroll, Window, Pan, Zoom, Crosshair, Reset, Invert };
+enum class Gesture { Together, Open, Layout, Scroll, Window, Pan, Zoom, Crosshair, Reset, Invert, Measure };
 
 // A window to choose: of the file, of the list of CT presets, automatic.
 struct WindowChoice {
@@ -102,6 +111,12 @@ class Workspace {
   // user's act ("manual").
   void setTogether(bool);
   bool togetherIsManual() const;
+
+  // Gives it an id of its own where it has none or one that is taken; returns the id. WorkspaceMeasure.cpp.
+  std::string addMeasurement(int document, measure::Measurement);
+  void changeMeasurement(const measure::Measurement&);  // the one of this id
+  void removeMeasurement(const std::string& id);
+  const Drawn* measurement(const std::string& id) const;  // nullptr: none
 
   // Everything until endDrag() is one step of undo; false when it made none.
   void beginDrag();

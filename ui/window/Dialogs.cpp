@@ -21,6 +21,8 @@ constexpr Binding kBindings[] = {
     {"0", "the file's own window"},
     {"1 .. 9", "window presets, as numbered in the menu"},
     {"W  C  P  Z  S", "tools: Window, Crosshair, Pan, Zoom, Scroll"},
+    {"L  A  E  B  V  N", "measure: length, angle, ellipse, box, value, arrow; then back to the tool"},
+    {"M, Del", "list of measurements; takes the chosen one away"},
     {"I", "inverts"},
     {"R", "whole picture in sight again"},
     {"F2  F3  F4", "stack, two side by side, MPR"},
@@ -28,7 +30,7 @@ constexpr Binding kBindings[] = {
     {"K, hold F", "two side by side: wipe under the pointer; the other one instead"},
     {"Ctrl+Z, Ctrl+Y", "undo, redo"},
     {"Ctrl+B", "shows or hides the list of studies"},
-    {"Esc", "cancels loading, closes this"},
+    {"Esc", "cancels measuring or loading, closes this"},
     {"Ctrl+Q", "quits"},
 };
 

@@ -8,7 +8,7 @@
 namespace vernier::ui {
 namespace {
 
-constexpr float kTopBar = 46, kStatusBar = 28, kBrowser = 296, kOneRow = 1200;
+constexpr float kTopBar = 46, kStatusBar = 28, kBrowser = 296, kOneRow = 1260, kList = 280;
 
 constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoSavedSettings |
@@ -28,8 +28,10 @@ void Gui::frame() {
   keys();
   ImGui::PushFont(theme_.body);
   topBar({0, 0, w, top}, twoRows);
+  const float list = listShown_ ? std::min(theme_.px(kList), w * 0.3f) : 0;
   if (browserShown_) browser({0, top, side, h - top - bottom});
-  tiles({side, top, w - side, h - top - bottom});
+  tiles({side, top, w - side - list, h - top - bottom});
+  if (listShown_) measureList({w - list, top, list, h - top - bottom});
   statusBar({0, h - bottom, w, bottom});
   messages({side, top, w - side, h - top - bottom});
   help();
@@ -46,6 +48,8 @@ void Gui::keys() {
   if (pressed(GLFW_KEY_ESCAPE)) {
     if (help_)
       help_ = false;
+    else if (ruler_)
+      takeRuler({});
     else if (desk_.progress())
       desk_.cancelLoading();
     why_.clear();
@@ -68,7 +72,8 @@ void Gui::keys() {
                                         {GLFW_KEY_Z, Tool::Zoom},
                                         {GLFW_KEY_S, Tool::Scroll}};
   for (const auto& [key, tool] : tools)
-    if (pressed(key)) tool_ = tool;
+    if (pressed(key)) tool_ = tool, takeRuler({});
+  measureKeys();
   if (pressed(GLFW_KEY_T)) w.setTogether(!w.now().together);
   if (pressed(GLFW_KEY_K)) wipe_ = !wipe_ && mayLayOver();
   if (pressed(GLFW_KEY_F)) (void)mayLayOver();  // says why not; while it is down: TilePanel.cpp
@@ -123,7 +128,7 @@ void Gui::toolButtons() {
       {"Scroll", Tool::Scroll, "Left drag goes through the slices (S); the wheel with any tool"}};
   for (const auto& [label, tool, hint] : rows) {
     if (tool != Tool::Window) ImGui::SameLine(0, theme_.px(4));
-    if (toggle(label, tool_ == tool, hint)) tool_ = tool;
+    if (toggle(label, tool_ == tool && !ruler_, hint)) tool_ = tool, takeRuler({});
   }
 }
 
@@ -197,6 +202,8 @@ void Gui::topBar(Rect r, bool twoRows) {
     ImGui::SameLine(0, group);
   }
   historyButtons();
+  ImGui::SameLine(0, group);
+  measureMenu();
   const float help = ImGui::CalcTextSize("Help").x + 2 * ImGui::GetStyle().FramePadding.x;
   ImGui::SameLine(std::max(ImGui::GetCursorPosX(), r.w - help - theme_.px(10)));
   if (toggle("Help", help_, "Mouse and keys (F1)")) help_ = !help_;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "Desk.h"
+#include "Measuring.h"
 #include "Textures.h"
 #include "Theme.h"
 
@@ -25,6 +26,7 @@ class Gui {
   }
   bool wantsToQuit() const { return quit_; }
   Tool tool() const { return tool_; }
+  std::optional<Ruler> ruler() const { return ruler_; }  // a measuring tool that waits for its points
   // Why the last thing asked for could not be had; "" when it could.
   const std::string& why() const { return why_; }
 
@@ -71,6 +73,27 @@ class Gui {
   void drag();
   void hoverDetails(int t, Rect);
   void probe(int t, Rect);
+  // MeasureTools.cpp
+  struct Grip {  // a handle in the hand
+    std::string id;
+    std::size_t handle = 0;
+    int tile = -1;
+  };
+  void takeRuler(std::optional<Ruler>);
+  void measureKeys();
+  void measureMenu();
+  bool measureHands(int t, Rect, bool hovered);  // true: the click is theirs
+  void dragHandle();
+  void addSpot(const Place&, glm::dvec2 px);
+  void measurements(int t, Rect);
+  void drawMeasurement(const measure::Measurement&, const Place&, Rect, bool selected,
+                       const std::string& label);
+  std::optional<Grip> gripAt(int t, Rect) const;
+  glm::dvec2 pixelUnderPointer(Rect) const;
+  // MeasurePanel.cpp
+  void measureList(Rect);
+  void measureRow(const Drawn&, int number);
+  void measureFile();
   // BrowserPanel.cpp
   void browser(Rect);
   void openField();
@@ -96,6 +119,20 @@ class Gui {
   float wheel_ = 0;             // parts of a notch
   Probe probe_;
   std::string why_;
+  std::optional<Ruler> ruler_;
+  struct Sketch {  // what the ruler has taken
+    int tile = -1;
+    measure::Placement on;
+    std::vector<measure::Spot> spots;
+    ImVec2 pressed{};
+    bool held = false;
+  };
+  std::optional<Sketch> sketch_;
+  std::optional<Grip> grip_;
+  std::array<Rect, kTiles> tileArea_{};  // of the pictures, as drawn last
+  std::string selected_;                 // id of a measurement
+  bool listShown_ = false;
+  char listPath_[4096] = "";
   char path_[4096] = "";
   bool help_ = false, quit_ = false, notice_ = false, browserShown_ = true;
   std::function<std::string()> noticeAccepted_;

@@ -61,6 +61,7 @@ void Gui::tiles(Rect r) {
     ImGui::PopID();
   }
   drag();
+  dragHandle();
   ImGui::End();
 }
 
@@ -198,6 +199,7 @@ void Gui::picture(int t, Rect r) {
   ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(texture), {x, y}, {x + w, y + h});
   compared(t, {x, y, w, h});
   references(t, {x, y, w, h});
+  measurements(t, {x, y, w, h});
 }
 
 void Gui::references(int t, Rect r) {
@@ -260,6 +262,7 @@ void Gui::hands(int t, Rect r, bool hovered) {
     else
       w.scroll(t, -notches);
   }
+  if (measureHands(t, r, hovered)) return;
   if (!hovered || drag_) return;
   if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
     // The first of the two clicks may have moved the crosshair, which was not meant.

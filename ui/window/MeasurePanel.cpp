@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The list of measurements: what each says, where its millimetres come from, and its file.
+#include "Gui.h"
+
+namespace vernier::ui {
+namespace {
+
+constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus;
+
+std::string titleOf(const measure::Measurement& m, int number) {
+  std::string kind = measure::kindOf(m.shape);
+  kind[0] = static_cast<char>(kind[0] - 32);
+  return std::to_string(number) + "  " + (m.label.empty() ? kind : m.label);
+}
+
+}  // namespace
+
+void Gui::measureRow(const Drawn& d, int number) {
+  Workspace& w = desk_.workspace();
+  const std::string id = d.what.id;
+  ImGui::PushID(id.c_str());
+  const float button = theme_.px(22);
+  if (ImGui::Selectable(titleOf(d.what, number).c_str(), selected_ == id, 0,
+                        {ImGui::GetContentRegionAvail().x - button - theme_.px(4), 0})) {
+    selected_ = id;
+    if (d.what.on.space == measure::Space::Image)  // to the image that it stands on
+      for (const int t : w.shown())
+        if (w.tile(t).source == SourceId{d.document, d.what.on.source}) {
+          w.setImage(t, d.what.on.frame);
+          break;
+        }
+  }
+  ImGui::SameLine();
+  const bool away = ImGui::SmallButton("x");
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Takes it away (Del)");
+  ImGui::PushFont(theme_.small);
+  ImGui::PushTextWrapPos(0);
+  const Result<measure::Measured>* said = desk_.said(d);
+  if (!said)
+    ImGui::TextDisabled("its volume is loading");
+  else if (!*said)
+    ImGui::TextWrapped("%s", said->error().sentence.c_str());
+  else {
+    for (const measure::Quantity& q : (*said)->quantities)
+      ImGui::TextUnformatted((q.name + "  " + measure::displayText(q)).c_str());
+    if (const auto& s = (*said)->values) {
+      const measure::Quantity& mean = (*said)->quantities.at(1);
+      const auto text = [&](double x) { return measure::displayLike(x, mean); };
+      ImGui::TextUnformatted(("median " + text(s->median) + "  min " + text(s->min) + "  max " +
+                              text(s->max) + (s->sd ? "  SD " + text(*s->sd) : ""))
+                                 .c_str());
+    }
+    if (!(*said)->quantities.empty() && (*said)->quantities.front().unit != "deg")
+      ImGui::TextDisabled("%s", (*said)->originText.c_str());
+    for (const std::string& note : (*said)->notes) ImGui::TextDisabled("%s", note.c_str());
+  }
+  ImGui::PopTextWrapPos();
+  ImGui::PopFont();
+  ImGui::Dummy({0, theme_.px(3)});
+  ImGui::PopID();
+  if (!away) return;
+  w.removeMeasurement(id);  // `d` is gone
+  if (selected_ == id) selected_.clear();
+}
+
+// Measurements of the active picture's document.
+void Gui::measureFile() {
+  const Workspace& w = desk_.workspace();
+  const int document = w.tile(w.now().active).source.document;
+  ImGui::SetNextItemWidth(-1);
+  ImGui::InputTextWithHint("##list", "File, JSON: its path", listPath_, sizeof listPath_);
+  ImGui::BeginDisabled(listPath_[0] == '\0');
+  if (ImGui::Button("Save")) {
+    const Result<void> r = desk_.saveMeasurements(document, listPath_);
+    why_ = r ? "" : r.error().sentence;
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("Load")) {
+    const Result<void> r = desk_.loadMeasurements(document, listPath_);
+    why_ = r ? "" : r.error().sentence + (r.error().where.empty() ? "" : " (" + r.error().where + ")");
+  }
+  ImGui::EndDisabled();
+}
+
+void Gui::measureList(Rect r) {
+  ImGui::SetNextWindowPos({r.x, r.y});
+  ImGui::SetNextWindowSize({r.w, r.h});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme_.px(10), theme_.px(8)});
+  ImGui::Begin("##measurements", nullptr, kFixed);
+  ImGui::PopStyleVar();
+  ImGui::PushFont(theme_.bold);
+  ImGui::TextUnformatted("Measurements");
+  ImGui::PopFont();
+  const float file = theme_.px(112);
+  ImGui::BeginChild("##rows", {0, -file});
+  const std::vector<Drawn> all = desk_.workspace().now().measurements;  // a row may take one away
+  if (all.empty())
+    ImGui::TextWrapped("None yet. L measures a length, A an angle, E and B a region, V a value.");
+  for (std::size_t n = 0; n < all.size(); ++n) measureRow(all[n], static_cast<int>(n) + 1);
+  ImGui::EndChild();
+  measureFile();
+  ImGui::PushFont(theme_.small);
+  ImGui::TextWrapped("\u00b1 is k = 2; %s", measure::kNotIncluded);
+  ImGui::PopFont();
+  ImGui::End();
+}
+
+}  // namespace vernier::ui
