@@ -58,11 +58,7 @@ void print(const measure::Entry& e) {
     const measure::Quantity& q = e.said->quantities[n];
     line += (n > 0 ? ", " : " ") + q.name + " " + measure::displayText(q);
   }
-  if (const auto& s = e.said->values) {
-    const auto say = [&](double x) { return measure::displayLike(x, e.said->quantities.at(1)); };
-    line += ", min " + say(s->min) + ", max " + say(s->max) + ", median " + say(s->median);
-    if (s->sd) line += ", SD " + say(*s->sd);
-  }
+  if (e.said->values) line += ", " + measure::displayStatistics(*e.said);
   if (!e.said->quantities.empty()) line += "; " + e.said->originText;
   for (const std::string& note : e.said->notes) line += "; " + note;
   std::printf("%s\n", line.c_str());

@@ -63,6 +63,29 @@ TEST(WindowMeasure, ALengthByOneKeyAndOneDragThenWindowingAgain) {
   EXPECT_TRUE(w.workspace().now().measurements.empty());
 }
 
+// At every place the value is the stored pixel that the status line names.
+TEST(WindowMeasure, AValueIsThePixelUnderThePointer) {
+  vernier::test::TempDir dir;
+  WindowDriver w;
+  if (!w.here()) return;
+  w.open(test::headStudy(dir));
+  ASSERT_TRUE(w.settle());
+  const TileView& tile = w.desk().tileView(0);
+  const SourceFacts& facts = *w.workspace().factsOfTile(0);
+  // Where the picture lies in the window: 26 px below the tile, beside the list of studies.
+  const double left = 1280 - tile.view.width_px, top = 800 - 28 - tile.view.height_px;
+  for (int n = 0; n < 12; ++n) {
+    const double x = 640 + 23 * n, y = 300 + 17 * n;
+    w.key(GLFW_KEY_V);
+    w.click(x, y);
+    ASSERT_EQ(w.workspace().now().measurements.size(), static_cast<std::size_t>(n + 1));
+    const Probe there = probeImage(*tile.place, *tile.picture->frame, facts, {x - left + 0.5, y - top + 0.5});
+    const measure::Measured m = saidOf(w, last(w));
+    const std::string stored = "stored " + measure::displayText({"", m.quantities.at(1).value, "1", {}});
+    EXPECT_EQ(there.origin.substr(0, stored.size()), stored) << there.origin;
+  }
+}
+
 TEST(WindowMeasure, EveryToolOnReformatsWithItsList) {
   vernier::test::TempDir dir;
   WindowDriver w;

@@ -44,13 +44,7 @@ void Gui::measureRow(const Drawn& d, int number) {
   else {
     for (const measure::Quantity& q : (*said)->quantities)
       ImGui::TextUnformatted((q.name + "  " + measure::displayText(q)).c_str());
-    if (const auto& s = (*said)->values) {
-      const measure::Quantity& mean = (*said)->quantities.at(1);
-      const auto text = [&](double x) { return measure::displayLike(x, mean); };
-      ImGui::TextUnformatted(("median " + text(s->median) + "  min " + text(s->min) + "  max " +
-                              text(s->max) + (s->sd ? "  SD " + text(*s->sd) : ""))
-                                 .c_str());
-    }
+    if ((*said)->values) ImGui::TextUnformatted(measure::displayStatistics(**said).c_str());
     if (!(*said)->quantities.empty() && (*said)->quantities.front().unit != "deg")
       ImGui::TextDisabled("%s", (*said)->originText.c_str());
     for (const std::string& note : (*said)->notes) ImGui::TextDisabled("%s", note.c_str());

@@ -74,9 +74,10 @@ void Gui::measureMenu() {
   ImGui::EndCombo();
 }
 
+// Its centre, as the value in the status line has it.
 glm::dvec2 Gui::pixelUnderPointer(Rect r) const {
   const ImVec2 mouse = ImGui::GetIO().MousePos;
-  return {mouse.x - r.x, mouse.y - r.y};
+  return {std::floor(mouse.x - r.x) + 0.5, std::floor(mouse.y - r.y) + 0.5};
 }
 
 // Of the measurement that lies on top.

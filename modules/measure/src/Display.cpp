@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cmath>
 
 #include "Numbers.h"
@@ -68,6 +69,18 @@ std::string displayLike(double value, const Quantity& q) {
   const auto r = roundedUp(q.expanded);
   if (!std::isfinite(value)) return "no value";
   return r ? atPlace(value, r->exponent) : sixDigits(value);
+}
+
+std::string displayStatistics(const Measured& m) {
+  if (!m.values) return "";
+  const auto mean = std::find_if(m.quantities.begin(), m.quantities.end(),
+                                 [](const Quantity& q) { return q.name == "mean"; });
+  const Quantity none, &like = mean == m.quantities.end() ? none : *mean;
+  const bool interpolated = std::find(m.notes.begin(), m.notes.end(), "interpolated") != m.notes.end();
+  const auto extreme = [&](double x) { return interpolated ? displayLike(x, like) : sixDigits(x); };
+  const Statistics& s = *m.values;
+  return "min " + extreme(s.min) + ", max " + extreme(s.max) + ", median " + displayLike(s.median, like) +
+         (s.sd ? ", SD " + displayLike(*s.sd, like) : "");
 }
 
 }  // namespace vernier::measure

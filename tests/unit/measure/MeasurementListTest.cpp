@@ -192,6 +192,13 @@ TEST(MeasurementDisplay, NoDigitIsFinerThanTheUncertainty) {
   EXPECT_EQ(displayLike(7.45295, {"mean", 30.1, "HU", 0.4}), "7.5");
   EXPECT_EQ(displayLike(7.45295, {"mean", 30.1, "HU", 4}), "7");
   EXPECT_EQ(displayLike(7.45295, {"mean", 30.1, "HU", std::nullopt}), "7.45295");
+  Measured m;
+  EXPECT_EQ(displayStatistics(m), "");
+  m.quantities = {{"area", 5, "mm2", 1}, {"mean", 70.4, "HU", 42}};
+  m.values = Statistics{144, 0, -3, 217, 70.4, 41, 52.3, 20, {}};
+  EXPECT_EQ(displayStatistics(m), "min -3, max 217, median 40, SD 50");
+  m.notes = {"interpolated"};
+  EXPECT_EQ(displayStatistics(m), "min 0, max 220, median 40, SD 50");
   Draws d(23);
   for (int n = 0; n < 2000; ++n) {
     const double v = d.normal() * std::pow(10, d.within(-3, 5)), u = std::pow(10, d.within(-4, 4));

@@ -75,6 +75,10 @@ struct Measured {
   friend bool operator==(const Measured&, const Measured&) = default;
 };
 
+// "min -3, max 217, median 41, SD 12" of a region; "" where there are no values. Extrema of stored pixels
+// stand as they are, all else to the place of the mean.
+VERNIER_API std::string displayStatistics(const Measured&);
+
 // What no +/- includes; stands in every list and file.
 inline constexpr const char* kNotIncluded = "not included: scanner geometry, calibration, partial volume";
 
