@@ -112,7 +112,9 @@ Command addRender(CLI::App& app, GlobalOptions& global) {
       "  vernier render study.zip --series T1.nii.gz --view axial --out t1.png\n"
       "  vernier render head.vrp --z-span 128 --view oblique --out head.png\n"
       "  vernier render screw.stl --camera azimuth=30,elevation=20 --out screw.png\n"
-      "  vernier render STUDY --view axial --surface screw.stl --out outline.png");
+      "  vernier render STUDY --view axial --surface screw.stl --out outline.png\n"
+      "  vernier render STUDY --view mip --lens sphere:10,-40,-85,30 --lens-inner ct-bone --out lens.png\n"
+      "  vernier render STUDY --view axial --lens box:0,-60,-85,40,40,40 --lens-inner bone --out bone.png");
   return {sub, [&global, o] { return run(global, *o); }};
 }
 

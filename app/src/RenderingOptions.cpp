@@ -128,7 +128,7 @@ Result<void> renderingOptions(const RenderingOptions& o, const std::string& view
   const bool volume = !o.transfer.empty() || !o.mode.empty() || !o.classification.empty() ||
                       !o.opacity.empty() || !o.gains.empty() || !o.shading.empty() ||
                       (!iso && !o.combiner.empty());
-  const bool named = !preset.empty() && (view == "dvr" || view == "dvr-shaded");
+  const bool named = !preset.empty() && (view == "dvr" || view == "dvr-shaded" || view == "lens");
   if (!volume && !named) return {};
   if (named && !o.transfer.empty())
     return invalid("--preset", "A transfer function was given by name and by file; give one of them.");

@@ -86,6 +86,10 @@ Result<Sources> Session::Impl::sourcesFor(Session& session, const Scene& scene, 
                              "', which was not given; name its file with --surface.",
                          "/layers");
       sources.meshes[surface->source] = file->mesh;
+    } else if (const auto* lens = std::get_if<LensLayer>(&layer)) {
+      const auto* mesh = std::get_if<MeshShape>(&lens->shape);  // without its file the planner says so
+      if (const auto file = mesh ? session.surface(mesh->source) : nullptr)
+        sources.meshes[mesh->source] = file->mesh;
     }
   }
   return sources;
@@ -120,15 +124,35 @@ Scene Session::Impl::withWindows(Scene scene, const Sources& sources) {
     if (Result<TransferFunction> f = transferPreset(layer->preset, volume); f)
       layer->transfer = *std::move(f);
   };
+  const auto fillLevel = [&](IsosurfaceLayer* iso) {
+    if (!iso || iso->level) return;
+    if (const Volume& volume = *sources.volumes.at(iso->source); !volume.isColour())
+      iso->level = defaultIsoLevel(volume);
+  };
+  const auto fillThrough = [&](auto* any) {  // a layer, or what is inside a lens
+    fillWhole(std::get_if<ProjectionLayer>(any));
+    fillWhole(std::get_if<ShellsLayer>(any));
+    fillVolume(std::get_if<VolumeLayer>(any));
+    fillLevel(std::get_if<IsosurfaceLayer>(any));
+  };
+  std::optional<VoiWindow> ofSlice;  // the window of the slice that a lens looks into
   for (Layer& layer : scene.layers) {
     fill(std::get_if<SliceLayer>(&layer));
     fill(std::get_if<CurvedLayer>(&layer));
-    fillWhole(std::get_if<ProjectionLayer>(&layer));
-    fillWhole(std::get_if<ShellsLayer>(&layer));
-    fillVolume(std::get_if<VolumeLayer>(&layer));
-    if (auto* iso = std::get_if<IsosurfaceLayer>(&layer); iso && !iso->level)
-      if (const Volume& volume = *sources.volumes.at(iso->source); !volume.isColour())
-        iso->level = defaultIsoLevel(volume);
+    fillThrough(&layer);
+    if (const auto* slice = std::get_if<SliceLayer>(&layer); slice && !ofSlice) ofSlice = slice->window;
+  }
+  for (Layer& layer : scene.layers) {
+    auto* lens = std::get_if<LensLayer>(&layer);
+    if (!lens) continue;
+    const auto sourceIsThere = [&](const auto& inner) {
+      if constexpr (requires { inner.source; })
+        return sources.volumes.contains(inner.source);  // another one is refused by the planner
+      else
+        return false;
+    };
+    if (std::visit(sourceIsThere, lens->inner)) fillThrough(&lens->inner);
+    if (auto* look = std::get_if<SliceLook>(&lens->inner); look && !look->window) look->window = ofSlice;
   }
   return scene;
 }

@@ -46,7 +46,9 @@ Result<double> frame_ms(Session& session, const RenderRequest& r, double step, s
   return median(ms);
 }
 
-bool rendersVolume(const std::string& view) { return view.starts_with("dvr") || view == "iso"; }
+bool rendersVolume(const std::string& view) {
+  return view.starts_with("dvr") || view == "iso" || view == "lens";
+}
 
 // Of the options of looks through a volume each view takes its own.
 void keepOwn(const std::string& view, ViewOptions& o) {
@@ -112,6 +114,7 @@ Result<ViewOptions> optionsFor(const Options& o, const std::string& name) {
   if (!free) one.plane.clear();
   if (view != "slab") one.slab_mm.reset(), one.slabMode.clear();
   if (view != "curved") one.path.clear(), one.form.clear(), one.pathUp.clear(), one.width_mm.reset();
+  if (view == "stack" || view == "curved") one.lens = {};
   if (view == "stack" && one.interpolation == "cubic") one.interpolation.clear();
   return one;
 }

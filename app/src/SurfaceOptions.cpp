@@ -11,16 +11,29 @@ namespace {
 
 // Options that a picture of surfaces alone has no use for.
 Result<void> nothingElse(const ViewOptions& o) {
-  const std::pair<const char*, bool> given[] = {
-      {"--series", !o.series.empty()},      {"--plane", !o.plane.empty()},
-      {"--slice", o.slice.has_value()},     {"--slab", o.slab_mm.has_value()},
-      {"--slab-mode", !o.slabMode.empty()}, {"--interpolation", !o.interpolation.empty()},
-      {"--window", !o.window.empty()},      {"--preset", !o.preset.empty()},
-      {"--path", !o.path.empty()}};
+  const std::pair<const char*, bool> given[] = {{"--series", !o.series.empty()},
+                                                {"--plane", !o.plane.empty()},
+                                                {"--slice", o.slice.has_value()},
+                                                {"--slab", o.slab_mm.has_value()},
+                                                {"--slab-mode", !o.slabMode.empty()},
+                                                {"--interpolation", !o.interpolation.empty()},
+                                                {"--window", !o.window.empty()},
+                                                {"--preset", !o.preset.empty()},
+                                                {"--path", !o.path.empty()},
+                                                {"--lens", !o.lens.lenses.empty()},
+                                                {"--lens-inner", !o.lens.inner.empty()}};
   for (const auto& [option, isGiven] : given)
     if (isGiven)
       return makeError(ErrorCode::OptionInvalid, "It is of no use to a picture of surfaces alone.", option);
   return {};
+}
+
+// The surface that a layer is, or that is its lens's shape.
+const std::string* surfaceOf(const Layer& layer) {
+  if (const auto* surface = std::get_if<SurfaceLayer>(&layer)) return &surface->source;
+  const auto* lens = std::get_if<LensLayer>(&layer);
+  const auto* mesh = lens ? std::get_if<MeshShape>(&lens->shape) : nullptr;
+  return mesh ? &mesh->source : nullptr;
 }
 
 bool shows(const Scene& scene, const std::string& name) {
@@ -51,9 +64,9 @@ Result<std::vector<std::string>> addSurfaces(Session& session, const ViewOptions
 Result<void> findSurfaces(Session& session, const Scene& scene, const std::string& sceneFile,
                           std::stop_token stop) {
   for (const Layer& layer : scene.layers) {
-    const auto* surface = std::get_if<SurfaceLayer>(&layer);
-    if (!surface || session.surface(surface->source)) continue;
-    const std::filesystem::path named(surface->source);
+    const std::string* source = surfaceOf(layer);
+    if (!source || session.surface(*source)) continue;
+    const std::filesystem::path named(*source);
     const bool up = std::any_of(named.begin(), named.end(), [](const auto& part) { return part == ".."; });
     if (named.empty() || named.is_absolute() || up)
       return makeError(
@@ -61,7 +74,7 @@ Result<void> findSurfaces(Session& session, const Scene& scene, const std::strin
           "The source of a surface is the name of a file beside the scene, or of one given by --surface.",
           "/layers");
     const std::string path = (std::filesystem::path(sceneFile).parent_path() / named).string();
-    if (const Result<void> added = session.addSurface(surface->source, path, stop); !added) return added;
+    if (const Result<void> added = session.addSurface(*source, path, stop); !added) return added;
   }
   return {};
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The options that say what to draw, as the command line has them.
+#include "LensOptions.h"
 #include "OptionChecks.h"
 #include "RenderingOptions.h"
 #include "ViewOptions.h"
@@ -16,7 +17,7 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
   auto* view =
       sub.add_option("--view", o.view,
                      "stack axial coronal sagittal oblique slab curved; through the volume: mip minip sum "
-                     "mean attenuation shells shells-sum shells-lit dvr dvr-shaded iso");
+                     "mean attenuation shells shells-sum shells-lit dvr dvr-shaded iso lens");
   sub.add_option("--scene", o.sceneFile, "Scene as JSON (docs/scene.md)")->excludes(view);
   sub.add_option("--surface", o.surfaces,
                  "A surface file (docs/surfaces.md), mm: an outline on slices, alone in 3-D, or as the scene "
@@ -49,6 +50,7 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
                  "View curved: up at the path's beginning (stretched: everywhere), x,y,z");
   addVolumeFlags(sub, o.volume);
   addRenderingFlags(sub, o.rendering);
+  addLensFlags(sub, o.lens);
   auto* window = sub.add_option("--window", o.window, "CENTER,WIDTH in modality values (HU for CT)");
   sub.add_option(
          "--preset", o.preset,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "LensOptions.h"
 #include "OptionText.h"
 #include "PresentationOption.h"
 #include "RenderingOptions.h"
@@ -132,7 +133,8 @@ Result<Scene> sceneFromView(Session& session, const ViewOptions& o, const Progre
     p.window = *w;
   }
   const auto withPreset = [&](const std::string& unit) -> Result<void> {
-    if (o.preset.empty() || o.view.starts_with("dvr")) return {};  // there it names a transfer function
+    if (o.preset.empty() || o.view.starts_with("dvr") || o.view == "lens")
+      return {};  // there it names a transfer function
     const Result<VoiWindow> w = windowPreset(o.preset, unit);
     if (!w) return w.error();
     p.window = *w;
@@ -208,6 +210,7 @@ Result<Scene> sceneOfVolumes(Session& session, const ViewOptions& o, const std::
   if (!scene) return scene;
   // What the scene itself shows of the surfaces that were given is left as it has it.
   addSurfaceLayers(*scene, surfaces);
+  if (const Result<void> r = addLenses(session, *scene, o, progress, stop); !r) return r.error();
   if (!o.camera.empty())
     if (const Result<void> flat = onlyZoomForFlat(*scene, o.camera); !flat) return flat.error();
   if (const Result<void> found = findSurfaces(session, *scene, o.sceneFile, stop); !found)

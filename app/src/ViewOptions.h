@@ -23,6 +23,12 @@ struct RenderingOptions {
   std::vector<std::string> lights;
 };
 
+// What is put into the scene of any view that a lens can look into.
+struct LensOptions {
+  std::vector<std::string> lenses;
+  std::string inner;  // "" = not given
+};
+
 struct ViewOptions {
   std::vector<std::string> inputs, surfaces;
   std::string view, sceneFile, series;
@@ -35,6 +41,7 @@ struct ViewOptions {
   std::optional<double> width_mm;
   VolumeOptions volume;
   RenderingOptions rendering;
+  LensOptions lens;
   std::string engine, technique, quality = "review";
   std::optional<double> maxError, minFps, step;
   int errorSamples = 1024;

@@ -6,6 +6,8 @@
 #include <map>
 #include <numbers>
 
+#include "vernier/plan/CameraPicture.h"
+#include "vernier/plan/LensEdits.h"
 #include "vernier/plan/LinkedViews.h"
 
 namespace vernier {
@@ -177,6 +179,16 @@ Result<Scene> rendering(const std::string& view, const std::string& source, cons
   return scene;
 }
 
+// The view dvr with a lens in the middle that shows the iso-surface, which in CT is bone.
+Result<Scene> lensView(const std::string& source, const GridGeometry& grid, const PresetOptions& options) {
+  Result<Scene> scene = rendering("dvr", source, options);
+  if (!scene) return scene;
+  const CameraBox box = cameraBox(grid);
+  LensLayer lens =
+      lensAt(LensPreset::Bone, scene->layers.at(0), box.centre, kLensViewRadius * box.diagonal_mm);
+  return addLens(*std::move(scene), std::move(lens));
+}
+
 }  // namespace
 
 const std::vector<std::string>& viewNames() {
@@ -240,19 +252,22 @@ Result<Scene> presetScene(const std::string& viewName, const std::string& source
                                                                     {"sagittal", PatientPlane::Sagittal}};
   const std::string plugin = pluginOfView(viewName);
   if (plugin.empty())
-    return makeError(ErrorCode::SceneInvalid,
-                     "There is no view called '" + viewName +
-                         "'; views are: stack, axial, coronal, sagittal, oblique, slab, curved, mip, minip, "
-                         "sum, mean, attenuation, shells, shells-sum, shells-lit, dvr, dvr-shaded, iso.");
-  if (plugin != "dvr" && (options.volume || options.iso || !options.lights.empty()))
     return makeError(
-        ErrorCode::OptionInvalid,
-        "Transfer functions, levels of surfaces and lights belong to the views dvr, dvr-shaded and iso.",
-        options.iso      ? "iso"
-        : options.volume ? "transfer"
-                         : "light");
+        ErrorCode::SceneInvalid,
+        "There is no view called '" + viewName +
+            "'; views are: stack, axial, coronal, sagittal, oblique, slab, curved, mip, minip, "
+            "sum, mean, attenuation, shells, shells-sum, shells-lit, dvr, dvr-shaded, iso, lens.");
+  const bool renders = plugin == "dvr" || plugin == "lens";
+  if (!renders && (options.volume || options.iso || !options.lights.empty()))
+    return makeError(ErrorCode::OptionInvalid,
+                     "Transfer functions, levels of surfaces and lights belong to the views dvr, dvr-shaded, "
+                     "iso and lens.",
+                     options.iso      ? "iso"
+                     : options.volume ? "transfer"
+                                      : "light");
   if (plugin == "angiography") return throughVolume(viewName, source, options);
   if (plugin == "dvr") return rendering(viewName, source, options);
+  if (plugin == "lens") return lensView(source, grid, options);
   if (plugin != "mpr")
     return makeError(ErrorCode::NotBuiltYet,
                      "The view '" + viewName + "' comes with the plugin " + plugin +

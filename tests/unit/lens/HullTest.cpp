@@ -110,22 +110,32 @@ TEST(LensHull, OrderAndRepetitionDoNotMatter) {
   EXPECT_NEAR(volumeOf(first), volumeOf(second), 1e-9);
 }
 
-// Normals of triangles as thin as doubles can make them, against exact arithmetic in integers.
+// Normals of triangles as thin as doubles can make them. The corners lie in the plane z = x / 2 + y / 4
+// exactly (x and y are multiples of 2^-38), and their products fit no double.
 TEST(LensHull, NormalsOfThinTrianglesAreRight) {
-  const double e = 0x1p-45;
-  // In the plane z = x / 2 + y / 4; the third corner is beside the line between the others by e.
-  const glm::dvec3 a(0, 0, 0), b(64, 64, 48), c(32, 32 + 16 * e, 24 + 4 * e);
-  const glm::dvec3 n = exactNormal(a, b, c), truth = glm::normalize(glm::dvec3(-2, -1, 4));
-  EXPECT_LT(glm::distance(n, truth), 1e-14);
-  EXPECT_LT(glm::distance(exactNormal(b, c, a), truth), 1e-14);
-  EXPECT_LT(glm::distance(exactNormal(a, c, b), -truth), 1e-14);
+  const glm::dvec3 truth = glm::normalize(glm::dvec3(-2, -1, 4));
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    const auto inPlane = [](double x, double y) { return glm::dvec3(x, y, x / 2 + y / 4); };
+    const auto draw = [&](std::uint64_t n) {
+      return std::floor(64 * randomUnit(seed, n) * 0x1p38) * 0x1p-38;
+    };
+    const glm::dvec3 a = inPlane(draw(0), draw(1)), b = inPlane(draw(2), draw(3));
+    const double x = std::floor((a.x + b.x) / 2 * 0x1p38) * 0x1p-38,
+                 y = std::floor((a.y + b.y) / 2 * 0x1p38) * 0x1p-38;
+    const glm::dvec3 c = inPlane(x, y + 0x1p-28);  // beside the middle
+    const double sign = vernier::test::cross(toLong(b - a), toLong(c - a))[2] > 0 ? 1 : -1;
+    EXPECT_LT(glm::distance(exactNormal(a, b, c), sign * truth), 1e-14);
+    EXPECT_LT(glm::distance(exactNormal(b, c, a), sign * truth), 1e-14);
+    EXPECT_LT(glm::distance(exactNormal(a, c, b), -sign * truth), 1e-14);
+  }
+  const glm::dvec3 a(1, 2, 3), b(5, 7, 11);
   EXPECT_EQ(exactNormal(a, b, 0.5 * (a + b)), glm::dvec3(0));
   EXPECT_EQ(exactNormal(a, a, b), glm::dvec3(0));
 }
 
 TEST(LensHull, ThinTrianglesGoWithTheirCorner) {
-  // A cube, and a point just outside a face and beside the middle of its edge: a triangle that float32 would turn
-  // over.
+  // A cube, and a point just outside a face and beside the middle of its edge: a triangle that float32 would
+  // turn over.
   std::vector<MeshPoint> points;
   for (int n = 0; n < 8; ++n) points.emplace_back(n & 1 ? 10 : 0, n & 2 ? 10 : 0, n & 4 ? 10 : 0);
   points.emplace_back(5, 1e-7, -1e-7);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // View names that expand to a Scene: stack axial coronal sagittal oblique slab curved, and through the volume
-// mip minip sum mean attenuation shells shells-sum shells-lit. Conventions (DICOM
+// mip minip sum mean attenuation shells shells-sum shells-lit dvr dvr-shaded iso lens. Conventions (DICOM
 // LPS): axial is seen from the feet (patient right on screen left, anterior up), coronal from the front,
 // sagittal from the patient's left (anterior on screen left), H up. They mean the patient's planes, whatever
 // the acquisition's were, and show the whole box of the volume (the fit of PictureGeometry.h). oblique has
 // the axes right and up of the 3-D camera at azimuth 30, elevation 20 and shows a square whose side is the
 // longest edge of the box of voxel centres (as the peer programs do); slab is oblique, 10 mm thick, maximum.
+// lens is dvr with a sphere about the middle of that box that shows the iso-surface.
 //
 // Slice numbers count from 0 along the voxel axis closest to the view's normal (slices before rows before
 // columns when two are as close), in the volume's own order. The plane passes through the centre of that
@@ -21,7 +22,8 @@
 
 namespace vernier {
 
-inline constexpr double kPresetSlab_mm = 10;  // of the view slab
+inline constexpr double kPresetSlab_mm = 10;     // of the view slab
+inline constexpr double kLensViewRadius = 0.25;  // of the view lens: its sphere's, of the box's diagonal
 
 struct PresetOptions {
   std::optional<std::int64_t>
@@ -31,7 +33,7 @@ struct PresetOptions {
   std::optional<CurvedLayer> curved;  // of the view curved: its path, form, up and width count
   std::optional<ProjectionLayer> projection;  // of mip .. attenuation: its cue and gain count
   std::optional<ShellsLayer> shells;          // of shells..: all but source, mode and window counts
-  std::optional<VolumeLayer> volume;          // of dvr, dvr-shaded: all but source, and shading unless given
+  std::optional<VolumeLayer> volume;          // of dvr.., lens: all but source, and shading unless given
   std::optional<IsosurfaceLayer> iso;         // of iso: all but source
   std::vector<Light> lights;                  // of dvr-shaded and iso
   std::optional<VoiWindow> window;
