@@ -38,7 +38,23 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   pass.predicted_ms = predicted_ms(**params, context);
   pass.predictedError = roundingError(**params) + samplingError(**params, context.quality.step);
   pass.notes = notesOf(std::get<SliceLayer>(layer), **params);
-  pass.params = *params;
+  Result<std::vector<SliceInside>> lenses = lensesOnSlice(**params, context);
+  if (!lenses) return lenses.error();
+  if (lenses->empty()) {
+    pass.params = *params;
+    return std::vector<Pass>{std::move(pass)};
+  }
+  auto lensed = std::make_shared<SliceParams>(**params);
+  lensed->lenses = *std::move(lenses);
+  pass.predicted_ms *= 1 + static_cast<double>(lensed->lenses.size());
+  for (const SliceInside& l : lensed->lenses) {
+    SliceParams inner = *lensed;
+    inner.window = l.window, inner.interpolation = l.interpolation;
+    if (!l.cutOut)
+      pass.predictedError =
+          std::max(pass.predictedError, roundingError(inner) + samplingError(inner, context.quality.step));
+  }
+  pass.params = std::move(lensed);
   return std::vector<Pass>{std::move(pass)};
 }
 
@@ -47,7 +63,8 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
   if (!p) return makeError(ErrorCode::Internal, "The pass has no slice parameters.", "mpr.native");
   fitImages(images, p->view);
   if (p->volume->isColour()) return drawColourSlice(*p, images, stop, native::drawSlice);
-  return native::drawSlice(jobOf(*p), images, stop);
+  Result<void> drawn = native::drawSlice(jobOf(*p), images, stop);
+  return drawn && !p->lenses.empty() ? drawLenses(*p, images, stop) : drawn;
 }
 
 }  // namespace
@@ -69,6 +86,7 @@ Technique nativeSliceTechnique() {
   t.name = "mpr.native";
   t.kinds = {"slice"};
   t.engine = Engine::Native;
+  t.drawsLenses = true;
   t.passesFor = passesFor;
   t.execute = execute;
   return t;

@@ -22,8 +22,18 @@ struct SampledParams : PassParams {
   std::string dumpSampling() const;
 };
 
+// What a lens shows where the slice cuts it.
+struct SliceInside {
+  std::shared_ptr<const ConvexRegion> region;
+  bool cutOut = true;
+  Interpolation interpolation = Interpolation::Linear;
+  VoiWindow window;
+  bool invert = false;
+};
+
 struct SliceParams final : SampledParams {
   SlicePicture picture;
+  std::vector<SliceInside> lenses;  // the later wins
   std::string dump() const override;
 };
 
@@ -40,6 +50,11 @@ enum class Colours { Refused, Drawn };
 Result<std::shared_ptr<const SliceParams>> sliceParams(const Layer&, const PlanContext&,
                                                        Colours = Colours::Refused);
 Result<std::shared_ptr<const CurvedParams>> curvedParams(const Layer&, const PlanContext&);
+// What the lenses of the scene show on the slice. NoTechnique for colour volumes; SceneInvalid for a window
+// that cannot be used.
+Result<std::vector<SliceInside>> lensesOnSlice(const SliceParams&, const PlanContext&);
+// Draws it into a finished picture of the slice: a pixel belongs to a lens when its point of the plane does.
+Result<void> drawLenses(const SliceParams&, Images&, std::stop_token);
 // What the layer asks for and cannot be had.
 std::vector<std::string> notesOf(const SliceLayer&, const SliceParams&);
 

@@ -62,7 +62,8 @@ std::string SampledParams::dumpSampling() const {
 std::string SliceParams::dump() const {
   return "slice " + std::to_string(view.width_px) + "x" + std::to_string(view.height_px) + " from " +
          vector3(picture.origin.p) + " right " + vector3(picture.right.v) + " down " +
-         vector3(picture.down.v) + " " + dumpSampling();
+         vector3(picture.down.v) + " " + dumpSampling() +
+         (lenses.empty() ? "" : ", lenses " + std::to_string(lenses.size()));
 }
 
 std::string CurvedParams::dump() const {

@@ -15,7 +15,7 @@ glm::dvec3 colourOf(const RaySegment& s) {
 
 // What has been gathered along one ray, by the rules in RayIntervals.h.
 struct Gathering {
-  bool covered = false, mixed = false, everywhere = false;
+  bool covered = false, mixed = false, overBackground = false;
   Accumulator accumulator = Accumulator::Max;
   std::int16_t appearance = -1;
   glm::dvec3 value{0};
@@ -69,7 +69,11 @@ Joined joined(const JoinJob& job, std::span<const RaySegment> segments) {
     const Accumulator a =
         tool ? Accumulator::Ordered : job.accumulators[static_cast<std::size_t>(s.appearance)];
     if (a != Accumulator::Ordered) {
-      if (s.covered) gathered.add(s, a);
+      if (!s.covered) continue;
+      gathered.add(s, a);
+      if (a == Accumulator::Sum)
+        gathered.overBackground =
+            gathered.overBackground || job.overBackground[static_cast<std::size_t>(s.appearance)];
       continue;
     }
     const double after = through * static_cast<double>(s.through);
@@ -79,10 +83,12 @@ Joined joined(const JoinJob& job, std::span<const RaySegment> segments) {
     (tool ? tools : ordered) *= static_cast<double>(s.through);
   }
   if (!gathered.covered) {
-    out.colour += through * (ended ? end : job.background);
+    const bool clear =
+        job.accumulators.front() == Accumulator::Attenuation;  // nothing has weakened the light
+    out.colour += through * (ended ? end : clear ? glm::dvec3(1) : job.background);
     return out;
   }
-  if (!ended && gathered.accumulator == Accumulator::Sum) end = job.background;
+  if (!ended && gathered.accumulator == Accumulator::Sum && gathered.overBackground) end = job.background;
   if (!ended && gathered.accumulator == Accumulator::Attenuation) end = glm::dvec3(1);
   const glm::dvec3 behind = tools * end, shown = gathered.with(behind);
   out.colour += ordered * shown;

@@ -181,9 +181,16 @@ class Planner {
                      "/layers/" + std::to_string(index));
   }
 
-  // The one pass of an appearance, by the first technique of the lens's engine that draws parts of rays.
+  // The one pass of an appearance, by a technique of the lens's engine that draws parts of rays: the cheapest
+  // that is predicted to stay within the goal, else the most exact.
   Result<Pass> appearance(const Layer& layer, std::size_t index, Engine engine, const PlanContext& context) {
     std::string reasons;
+    std::optional<Pass> best;
+    const auto better = [&](const Pass& a, const Pass& b) {
+      const bool fits = a.predictedError <= goal_, otherFits = b.predictedError <= goal_;
+      if (fits != otherFits) return fits;
+      return fits ? a.predicted_ms < b.predicted_ms : a.predictedError < b.predictedError;
+    };
     for (const Technique* t : techniques_.drawing(kindOf(layer))) {
       if (t->engine != engine || !t->drawsParts) continue;
       const bool named = context_.quality.technique.empty() || context_.quality.technique == t->name;
@@ -197,12 +204,14 @@ class Planner {
       if (passes && passes->size() == 1) {
         passes->front().technique = t->name;
         passes->front().engine = t->engine;
-        return std::move(passes->front());
+        if (!best || better(passes->front(), *best)) best = std::move(passes->front());
+        continue;
       }
       if (!passes && passes.error().code == ErrorCode::SceneInvalid) return passes.error();
       reasons += (reasons.empty() ? "" : "; ") + t->name + ": " +
                  (passes ? "it needs more than one pass" : passes.error().sentence);
     }
+    if (best) return *std::move(best);
     return makeError(ErrorCode::NoTechnique, "no technique of this engine draws parts of a " + kindOf(layer) +
                                                  (reasons.empty() ? "" : " here (" + reasons + ")"));
   }

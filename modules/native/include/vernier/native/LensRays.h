@@ -45,6 +45,8 @@ VERNIER_API Result<void> cutRays(const LensRaysJob&, Images&, std::stop_token = 
 
 struct JoinJob {
   std::vector<Accumulator> accumulators;  // of each appearance
+  // Sum: what the appearance adds up lies over the scene's background (projections), or over black (shells).
+  std::vector<bool> overBackground;
   glm::dvec3 background{0};
 };
 // Writes colour and depth of the pixels that meet a lens, and takes images.rays away.
