@@ -72,6 +72,26 @@ say "The same picture by every technique:"
   --size 256x256 --camera azimuth=30,elevation=20,zoom=1.4 \
   --views "dvr:dvr.native+x1,dvr:dvr.native+x4,dvr:dvr.rays+x1,dvr:dvr.stacks+x1,dvr:dvr.stacks+x2,dvr:dvr.stacks+x4,dvr:dvr.stacks2+x1,dvr:dvr.slabs+x1"
 
+say "Lenses: bone in the head, a piece cut out, a way from the skin to its target, vessels, a screw, a slice:"
+camera=azimuth=30,elevation=20,zoom=1.3
+"$vernier" sheet "$out/ct-head" --out "$out/lens-bone.png" --title "bone in a lens" --columns 2 --size 384x384 \
+  --views dvr,dvr-shaded --lens sphere:45,-85,30,45 --lens-inner iso --camera "$camera"
+"$vernier" sheet "$out/ct-head" --out "$out/lens-cut.png" --title "a piece cut out" --columns 2 --size 384x384 \
+  --views dvr-shaded,iso --lens sphere:40,-80,40,45 --lens-inner cut-out --camera "$camera"
+"$vernier" sheet "$out/ct-head" --out "$out/lens-way.png" --title "from the skin to the target" --columns 2 \
+  --size 384x384 --views dvr-shaded,mip --lens cone:60,-110,60,0,0,0,25,2 --lens-inner cut-out --camera "$camera"
+"$vernier" sheet "$out/ct-head" --out "$out/lens-slice.png" --title "another window in a lens" --columns 3 \
+  --size 384x384 --preset brain --views axial,coronal,sagittal --lens sphere:0,-60,0,35 --lens-inner bone
+"$vernier" sheet "$out/vessels" --out "$out/lens-vessels.png" --title "vessels: rendered in a lens" --columns 3 \
+  --size 384x384 --views mip,sum,dvr --lens sphere:0,0,0,20 --camera azimuth=30,elevation=20,zoom=1.4
+"$vernier" sheet "$out/vessels" --out "$out/lens-screw.png" --title "a screw in a cut-out" --columns 2 --size 384x384 \
+  --views dvr,mip --surface "$screw" --lens sphere:0,0,0,30 --lens-inner cut-out \
+  --camera azimuth=30,elevation=20,zoom=1.4
+if [ -d ../shared/data/vol_engine ]; then
+  "$vernier" sheet ../shared/data/vol_engine --out "$out/lens-engine.png" --title "an engine, looked into" --columns 2 \
+    --size 384x384 --views dvr,dvr-shaded --lens box:40,-40,20,110,110,100 --lens-inner iso:180 --camera "$camera"
+fi
+
 say "Broken series load too; what is wrong is said:"
 for broken in tilt gap uneven; do
   "$vernier" phantom "$broken" --out "$out" >/dev/null

@@ -55,6 +55,7 @@ Result<void> drawLenses(const SliceParams& p, Images& images, std::stop_token st
   for (const SliceInside& lens : p.lenses) {
     Images inside;
     if (!lens.cutOut) {
+      inside.allocate(images.width, images.height, false);
       native::SliceJob job = jobOf(p);
       job.interpolation = lens.interpolation, job.window = lens.window, job.invert = lens.invert;
       if (Result<void> drawn = native::drawSlice(job, inside, stop); !drawn) return drawn;

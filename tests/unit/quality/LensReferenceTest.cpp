@@ -83,7 +83,7 @@ TEST(LensReference, PartsOfAnIsosurfaceBeginWithFaces) {
   IsosurfaceLayer lit = iso(0.5, {0, 1, 0});
   lit.material.ambient = 0, lit.material.diffuse = 1;
   face.lens(std::make_shared<ConvexRegion>(
-                ConvexRegion{{{PatientVec(glm::normalize(glm::dvec3(1, -1, 0))), -0.1}}, {}, {}, {}}),
+                ConvexRegion{{{PatientVec(glm::normalize(glm::dvec3(1, -1, 0))), -0.1}}, {}, {}, {}, {}}),
             lit);
   face.expect({0, 1, 0});
 }
@@ -110,7 +110,7 @@ TEST(LensReference, CapsOfShells) {
   // Lit ones: the cap has the normal of the face that cuts, 45 degrees to the ray.
   LensScene lit(fourVoxels(shellsOf(ShellsMode::Lit, {2.9}), kRamp));
   lit.lens(std::make_shared<ConvexRegion>(
-               ConvexRegion{{{PatientVec(glm::normalize(glm::dvec3(1, -1, 0))), -0.8}}, {}, {}, {}}),
+               ConvexRegion{{{PatientVec(glm::normalize(glm::dvec3(1, -1, 0))), -0.8}}, {}, {}, {}, {}}),
            shellsOf(ShellsMode::Lit, {0.1}));
   lit.expect(glm::dvec3(0.2 + 0.8 * std::sqrt(0.5)));
 }
