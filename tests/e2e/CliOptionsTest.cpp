@@ -19,7 +19,7 @@ TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
 }
 
 TEST_F(Cli, CommandsOfLaterReleasesSayThatTheyAreNotBuilt) {
-  for (const char* c : {"tradeoff", "qa", "export", "anonymise"}) {
+  for (const char* c : {"tradeoff", "export", "anonymise"}) {
     const ProgramRun r = vernier({c, "whatever", "--option"});
     expectSentence(r, 1);
     EXPECT_NE(r.err.find("not built yet"), std::string::npos) << show(r);

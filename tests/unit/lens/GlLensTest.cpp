@@ -264,6 +264,8 @@ struct PictureCase {
   Result<Plan> plan(EngineChoice engine) const {
     Quality quality;
     quality.engine = engine;
+    // The lattice of GL: at review native would take exact maxima.
+    if (engine == EngineChoice::Native) quality.technique = "projection.native";
     LensHost& host = LensHost::instance();
     return makePlan(scene, view, quality, host.capabilities, CostTable{}, sources, host.registry);
   }
