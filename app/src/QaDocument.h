@@ -31,8 +31,8 @@ int qaExitCode(const std::vector<QaCaseResult>&);
 
 // PNG bytes by the document's name; empty where the file is not there.
 using QaPictureBytes = std::function<std::vector<std::byte>(const std::string& name)>;
-// One self-contained page; it states the hash of the document's file. FileDamaged when the document is none of
-// this schema.
+// One self-contained page; it states the hash of the document's file. FileDamaged when the document is none
+// of this schema.
 Result<std::string> qaHtml(const QaJson& document, const std::string& jsonSha256, const QaPictureBytes&);
 Result<std::string> qaJunit(const QaJson& document);
 
