@@ -63,18 +63,7 @@ TEST_F(CliVolume, TransferFunctionsThatCannotBeUsed) {
   expectSentence(render("dvr", {"--transfer", path("absent.json")}), 3);
 }
 
-// Techniques come with the plugin dvr; the tests below say nothing where it has none.
-bool volumesAreDrawn() {
-  const auto all = nlohmann::json::parse(vernier({"plugins", "--json"}).out)["plugins"];
-  for (const auto& p : all)
-    if (p["name"] == "dvr") return !p["techniques"].empty();
-  return false;
-}
-#define VERNIER_NEEDS_VOLUMES() \
-  if (!volumesAreDrawn()) GTEST_SKIP() << "the plugin dvr has no technique in this build"
-
 TEST_F(CliVolume, TransferFunctionOfTenThousandPoints) {
-  VERNIER_NEEDS_VOLUMES();
   std::string colours, opacities;
   for (int n = 0; n < 10000; ++n) {
     const std::string value = (n ? ", [" : "[") + std::to_string(n * 0.1) + ", ";
@@ -87,7 +76,6 @@ TEST_F(CliVolume, TransferFunctionOfTenThousandPoints) {
 }
 
 TEST_F(CliVolume, CombinersThatCannotBeUsed) {
-  VERNIER_NEEDS_VOLUMES();
   fs::create_directories(dir_.path() / "config/vernier/combiners");
   const auto add = [&](const std::string& name, const std::string& json) {
     write("config/vernier/combiners/" + name + ".json", json);

@@ -377,35 +377,5 @@ TEST(MakePlan, PluginsOfKinds) {
   EXPECT_EQ(pluginOf("acme"), "");
 }
 
-TEST(DumpPlan, NumbersAreRounded) {
-  Plan plan;
-  Pass p;
-  p.name = "slice 0";
-  p.technique = "t";
-  p.predicted_ms = 0.1 + 0.2;
-  p.predictedError = 1.0 / 3;
-  plan.passes.push_back(p);
-  EXPECT_THAT(dumpPlan(plan), HasSubstr("predicted: 0.3 ms, error 0.33 of 255"));
-}
-
-TEST(TechniqueRegistry, RefusesDuplicatesAndHalfOnes) {
-  TechniqueRegistry r = registryOf({kNative});
-  EXPECT_EQ(r.add(technique(kNative)).error().code, ErrorCode::PluginFailed);
-  Technique half = technique(kStrips);
-  half.execute = nullptr;
-  EXPECT_FALSE(r.add(half).ok());
-  EXPECT_EQ(r.all().size(), 1u);
-  EXPECT_NE(r.find("mpr.native"), nullptr);
-  EXPECT_EQ(r.find("mpr.strips"), nullptr);
-  EXPECT_EQ(r.drawing("slice").size(), 1u);
-  EXPECT_TRUE(r.drawing("shells").empty());
-}
-
-TEST(Scene, KindOf) {
-  EXPECT_EQ(kindOf(ImageLayer{}), "image");
-  EXPECT_EQ(kindOf(SliceLayer{}), "slice");
-  EXPECT_EQ(kindOf(CustomLayer{"acme", 1, "{}"}), "acme");
-}
-
 }  // namespace
 }  // namespace vernier
