@@ -2,7 +2,6 @@
 #include "PluginHost.h"
 
 #include <dlfcn.h>
-#include <sys/auxv.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,6 +10,7 @@
 #include <limits>
 #include <set>
 
+#include "InstallPlace.h"
 #include "PluginCard.h"
 #include "vernier/base/Log.h"
 #include "vernier/plan/Plugin.h"
@@ -319,12 +319,6 @@ const TechniqueRegistry& PluginHost::techniques() const { return impl_->registry
 
 const Panel* PluginHost::panelOf(const std::string& kind) const { return impl_->panelOf(kind); }
 
-std::string PluginHost::installFolder() {
-  std::error_code ec;
-  fs::path program = fs::read_symlink("/proc/self/exe", ec);
-  if (ec)  // a bare root folder without /proc
-    program = fs::canonical(reinterpret_cast<const char*>(::getauxval(AT_EXECFN)), ec);
-  return (program.parent_path().parent_path() / "lib" / "vernier" / "plugins").lexically_normal().string();
-}
+std::string PluginHost::installFolder() { return installPrefix() + "/lib/vernier/plugins"; }
 
 }  // namespace vernier::app

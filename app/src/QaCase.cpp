@@ -16,25 +16,11 @@ constexpr const char* kSchema = "vernier-qa-case/1";
 constexpr int kLargestCasePicture_px = 1024;
 constexpr int kDeepest = 64;  // of nested brackets
 
+// Into the case; a fault is handed to who reads it.
 QaData readData(const Json& j, const std::string& where, JsonReader& outer) {
-  JsonReader r(j, where);
-  QaData d;
-  d.recipe = r.text("recipe", false);
-  d.path = r.text("path", false);
-  d.sha256 = r.text("sha256", false);
-  if (const Json* settings = r.object("settings"))
-    for (const auto& [name, value] : settings->items()) {
-      if (value.is_string())
-        d.settings[name] = value.get<std::string>();
-      else
-        r.fail("settings/" + name, "A text was expected here.");
-    }
-  if (d.recipe.empty() == d.path.empty()) r.fail("recipe", "Give either a recipe or a path.");
-  if (!d.path.empty() && !d.settings.empty()) r.fail("settings", "Settings go with a recipe.");
-  if (!d.path.empty() && d.sha256.empty())
-    r.fail("sha256", "Files need their hash; leave it as \"?\" once, and the run says what it is.");
-  if (const Result<void> done = r.done(); !done) outer.fail(done.error());
-  return d;
+  Result<QaData> d = readQaData(j, where);
+  if (!d) outer.fail(d.error());
+  return d ? *d : QaData();
 }
 
 QaTolerance readTolerance(const Json& j, const std::string& where, JsonReader& outer) {
@@ -161,6 +147,27 @@ Result<QaCase> parseQaCase(const std::string& text, const std::string& folder, c
   if (c.draws() && !c.data && c.surfaces.empty()) r.fail("data", "There is nothing to draw; give data.");
   if (const Result<void> done = r.done(); !done) return done.error();
   return c;
+}
+
+Result<QaData> readQaData(const Json& j, const std::string& where) {
+  JsonReader r(j, where);
+  QaData d;
+  d.recipe = r.text("recipe", false);
+  d.path = r.text("path", false);
+  d.sha256 = r.text("sha256", false);
+  if (const Json* settings = r.object("settings"))
+    for (const auto& [name, value] : settings->items()) {
+      if (value.is_string())
+        d.settings[name] = value.get<std::string>();
+      else
+        r.fail("settings/" + name, "A text was expected here.");
+    }
+  if (d.recipe.empty() == d.path.empty()) r.fail("recipe", "Give either a recipe or a path.");
+  if (!d.path.empty() && !d.settings.empty()) r.fail("settings", "Settings go with a recipe.");
+  if (!d.path.empty() && d.sha256.empty())
+    r.fail("sha256", "Files need their hash; leave it as \"?\" once, and the run says what it is.");
+  if (const Result<void> done = r.done(); !done) return done.error();
+  return d;
 }
 
 Result<QaCase> readQaCase(const std::string& folder, const std::string& name) {

@@ -62,6 +62,9 @@ Result<QaCase> readQaCase(const std::string& folder, const std::string& name);
 // The same from text; `folder` is only remembered. Error::where is "name/case.json#/place".
 Result<QaCase> parseQaCase(const std::string& json, const std::string& folder, const std::string& name);
 
+// A case's data, or that of a check; strict as the rest. Error::where is below `where`.
+Result<QaData> readQaData(const nlohmann::ordered_json&, const std::string& where);
+
 // Folders below `suite` that hold a case.json, as names relative to it, in order. FileNotFound,
 // NothingToLoad.
 Result<std::vector<std::string>> findQaCases(const std::string& suite);

@@ -7,9 +7,14 @@ namespace vernier::app {
 
 const std::map<std::string, QaCheckFn>& qaCheckKinds() {
   static const std::map<std::string, QaCheckFn> kinds = {
-      {"pixel", checkPixel},           {"value", checkValue}, {"depth", checkDepth},
-      {"probe", checkProbe},           {"error", checkError}, {"letters", checkLetters},
-      {"statistics", checkStatistics},
+      {"angle", checkAngle},       {"area", checkArea},
+      {"centroid", checkCentroid}, {"depth", checkDepth},
+      {"distance", checkDistance}, {"error", checkError},
+      {"letters", checkLetters},   {"measurement", checkMeasurement},
+      {"pixel", checkPixel},       {"probe", checkProbe},
+      {"reload", checkReload},     {"statistics", checkStatistics},
+      {"text", checkText},         {"two-patients", checkTwoPatients},
+      {"value", checkValue},
   };
   return kinds;
 }

@@ -3,7 +3,9 @@
 // function; qaCheckKinds() lists them all, and a new kind is one line there and one function. docs/qa.md says
 // what each needs. Called on one thread at a time.
 #pragma once
+#include <functional>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -33,6 +35,9 @@ struct QaContext {
   const Picture* picture = nullptr;  // 8 bits, without letters
   std::vector<std::string> inputs;   // the files and folders that are open
   std::string workFolder;            // exists, empty at the case's beginning, gone after it
+  // Data that a check names beside the case's own, as a file or folder; and a session of its own for it.
+  std::function<Result<std::string>(const QaData&)> fetch;
+  std::function<std::unique_ptr<Session>()> newSession;
 };
 
 // `check` reads the JSON object and is finished by the caller: what it did not ask for is refused. An Error
@@ -59,5 +64,15 @@ Result<std::vector<QaRow>> checkProbe(const QaContext&, JsonReader&);
 Result<std::vector<QaRow>> checkError(const QaContext&, JsonReader&);
 Result<std::vector<QaRow>> checkLetters(const QaContext&, JsonReader&);
 Result<std::vector<QaRow>> checkStatistics(const QaContext&, JsonReader&);
+// Kinds that find something in the picture and say where it is, or how large (QaFeatureChecks.cpp).
+Result<std::vector<QaRow>> checkCentroid(const QaContext&, JsonReader&);
+Result<std::vector<QaRow>> checkDistance(const QaContext&, JsonReader&);
+Result<std::vector<QaRow>> checkAngle(const QaContext&, JsonReader&);
+Result<std::vector<QaRow>> checkArea(const QaContext&, JsonReader&);
+// Kinds that do what a user does: measure, read, compare, save (QaWorkChecks.cpp).
+Result<std::vector<QaRow>> checkMeasurement(const QaContext&, JsonReader&);
+Result<std::vector<QaRow>> checkText(const QaContext&, JsonReader&);
+Result<std::vector<QaRow>> checkTwoPatients(const QaContext&, JsonReader&);
+Result<std::vector<QaRow>> checkReload(const QaContext&, JsonReader&);
 
 }  // namespace vernier::app

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "Clock.h"
+#include "InstallPlace.h"
 #include "OptionChecks.h"
 #include "OptionText.h"
 #include "QaAccept.h"
@@ -98,6 +99,12 @@ void reportProblems(const QaCaseResult& r) {
   }
 }
 
+// "clinic" is the suite that comes with the program, unless a folder of that name lies here.
+std::string suiteFolder(const std::string& dir) {
+  std::error_code ec;
+  return dir == "clinic" && !fs::exists(dir, ec) ? clinicSuiteFolder() : dir;
+}
+
 std::vector<std::string> enginesOf(const std::string& option) {
   return option == "both" ? std::vector<std::string>{"native", "gl"} : std::vector<std::string>{option};
 }
@@ -107,8 +114,11 @@ int runSuite(const GlobalOptions& global, const Options& o) {
   if (!settings) return report(settings.error());
   const auto first = makeSession(global);
   if (!first) return 2;
-  const Result<std::vector<std::string>> found = findQaCases(o.dir);
-  if (!found) return report(found.error());
+  const std::string suite = suiteFolder(o.dir);
+  Result<std::vector<std::string>> found = findQaCases(suite);
+  if (!found)
+    return report(
+        makeError(found.error().code, found.error().sentence, o.dir));  // no path of the installation
   std::vector<std::string> names = *found;
   if (!o.only.empty()) {
     for (const std::string& name : o.only)
@@ -127,7 +137,7 @@ int runSuite(const GlobalOptions& global, const Options& o) {
   for (const std::string& name : names) {
     if (stop.stop_requested())
       return report(makeError(ErrorCode::Cancelled, "The run was cancelled; no report."));
-    results.push_back(runner.run(o.dir + "/" + name, name, facts.engines));
+    results.push_back(runner.run(suite + "/" + name, name, facts.engines));
     if (!o.json) printResult(results.back());
     reportProblems(results.back());
   }
@@ -196,7 +206,8 @@ Command addQa(CLI::App& app, GlobalOptions& global) {
   sub->require_subcommand(1);
   CLI::App* run =
       sub->add_subcommand("run", "Run every case of a suite; exit 4 when one fails, 3 when one is damaged");
-  run->add_option("DIR", o->dir, "Suite: a folder of cases")->required();
+  run->add_option("DIR", o->dir, "Suite: a folder of cases, or clinic: the one that comes with the program")
+      ->required();
   run->add_option("--out", o->out, "Folder for report.html, report.json, junit.xml and pictures");
   run->add_option("--engine", o->engine, "native gl both")
       ->check(CLI::IsMember({"native", "gl", "both"}))
@@ -214,6 +225,7 @@ Command addQa(CLI::App& app, GlobalOptions& global) {
   reportSub->add_option("--out", o->out, "Another folder for report.html");
   sub->footer(
       "Examples:\n"
+      "  vernier qa run clinic --out report     is this installation right?\n"
       "  vernier qa run suite --out report\n"
       "  vernier qa run suite --engine native --only axial,mip\n"
       "  vernier qa accept suite axial --reason \"slices are now cubic; looked at beside the old one\"\n"

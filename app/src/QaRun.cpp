@@ -232,7 +232,13 @@ Result<void> QaRunner::Impl::judged(const QaCase& c, Prepared& p, QaCaseResult& 
                           rendered ? &*rendered : nullptr,
                           e.picture ? &*e.picture : nullptr,
                           p.inputs,
-                          newFolder()};
+                          newFolder(),
+                          [&](const QaData& d) -> Result<std::string> {
+                            const Result<Ready> r = dataOf(c, d);
+                            if (!r) return r.error();
+                            return r->path;
+                          },
+                          newSession};
   std::error_code ec;
   fs::create_directories(context.workFolder, ec);
   Result<std::vector<QaRow>> rows = runQaChecks(context);

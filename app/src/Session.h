@@ -26,12 +26,21 @@
 
 namespace vernier::app {
 
+// Breaks pictures on purpose, so that tests can show that a quality suite notices. What is said of a picture
+// (letters, error) is still that of the scene that was asked for. Absent in the program.
+struct Sabotage {
+  std::function<void(Scene&, const View&, const Sources&)> scene;  // before it is planned
+  std::function<void(Plan&)> plan;                                 // before it is drawn
+  std::function<void(const Plan&, Images&)> picture;               // as drawn
+};
+
 struct SessionOptions {
   // How the render thread gets its GL device; absent: gpu::Device::make.
   std::function<Result<std::unique_ptr<gpu::Device>>()> makeDevice;
   int threads = 0;                         // 0 = all cores
   std::uint64_t memory_mb = 0;             // 0 = half of what is free
   std::vector<std::string> pluginFolders;  // besides the install folder
+  Sabotage sabotage;
 };
 
 // One picture with all that is known of it.

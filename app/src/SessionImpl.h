@@ -17,6 +17,7 @@ namespace vernier::app {
 struct Session::Impl {
   explicit Impl(const SessionOptions& o)
       : makeDevice(o.makeDevice),
+        sabotage(o.sabotage),
         budget(o.memory_mb > 0 ? o.memory_mb << 20 : MemoryBudget::halfOfFreeBytes()),
         plugins([this] { return device(); }, &derived) {
     std::vector<std::string> folders{PluginHost::installFolder()};
@@ -63,6 +64,7 @@ struct Session::Impl {
   Result<Frame> drawOrRecover(const Asked&, Plan&, std::stop_token, Frame reuse);
 
   std::function<Result<std::unique_ptr<gpu::Device>>()> makeDevice;
+  const Sabotage sabotage;
   bool deviceWasRebuilt = false;
   static constexpr std::uint64_t kKeptFrames_bytes = std::uint64_t{64} << 20;
   static constexpr std::uint64_t kDerivedBytes = std::uint64_t{1} << 30;  // at least

@@ -339,11 +339,17 @@ Result<Rendered> Session::render(const Scene& scene, const View& view, const Qua
     const std::lock_guard lock(impl_->drawing);
     Quality quality = asked;
     quality.step = step;
-    Result<Plan> plan = impl_->planFor(drawn, view, quality, *sources, options.explain);
+    Scene toDraw = drawn;
+    const Sabotage& sabotage = impl_->sabotage;
+    if (sabotage.scene) sabotage.scene(toDraw, view, *sources);
+    Result<Plan> plan = impl_->planFor(toDraw, view, quality, *sources, options.explain);
     if (!plan) return plan.error();
+    if (sabotage.plan) sabotage.plan(*plan);
     Result<Frame> frame =
-        impl_->drawOrRecover({drawn, view, quality, *sources}, *plan, stop, std::move(reuse));
-    if (frame) frame->prepare_ms = prepare_ms;
+        impl_->drawOrRecover({toDraw, view, quality, *sources}, *plan, stop, std::move(reuse));
+    if (!frame) return frame;
+    if (sabotage.picture) sabotage.picture(*plan, frame->images);
+    frame->prepare_ms = prepare_ms;
     plans[step] = std::move(*plan);
     return frame;
   };

@@ -102,6 +102,23 @@ class Plume : public Field {
   double width_mm_, widening_, drift_perMm_, peak_;
 };
 
+// Grows evenly along a direction: linear interpolation is exact everywhere, so that a picture says where each
+// of its pixels lies.
+class Ramp : public Field {
+ public:
+  explicit Ramp(const Json& source)
+      : atOrigin_(source.at("at_origin")), slope_perMm_(vecOf(source.at("slope_per_mm"))) {}
+  void row(const RowLine& line, std::span<double> value, std::span<double> noise) const override {
+    std::fill(noise.begin(), noise.end(), 0.0);
+    for (std::size_t i = 0; i < value.size(); ++i)
+      value[i] = atOrigin_ + glm::dot(slope_perMm_, line.start_mm + static_cast<double>(i) * line.step_mm);
+  }
+
+ private:
+  double atOrigin_;
+  glm::dvec3 slope_perMm_;
+};
+
 }  // namespace
 
 glm::dmat3 rotationOf(glm::dvec3 deg) {
@@ -231,6 +248,7 @@ std::unique_ptr<const Field> makeField(const Json& recipe, std::uint64_t seed,
   if (kind == "gaussian-vessel") return std::make_unique<GaussianVessel>(source);
   if (kind == "orbital") return std::make_unique<Orbital>(source);
   if (kind == "plume") return std::make_unique<Plume>(source);
+  if (kind == "ramp") return std::make_unique<Ramp>(source);
   throw std::invalid_argument("recipe: unknown source kind " + kind);
 }
 

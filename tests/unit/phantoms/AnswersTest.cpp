@@ -285,6 +285,49 @@ TEST(PlumePhantom, IsTheFormulaAndHoldsAsMuchAtEveryHeight) {
   }
 }
 
+TEST(RampPhantom, IsTheFormulaWhateverTheAcquisition) {
+  for (const auto& [plane, flip] : {std::pair{"axial", "0"}, {"coronal", "5"}, {"sagittal", "7"}}) {
+    TempDir dir;
+    const Written w = writeAndRead(dir.path(), "ramp", {{"plane", plane}, {"flip", flip}});
+    ASSERT_FALSE(w.files.empty());
+    for (const ReadFile& f : w.files)
+      for (int row = 0; row < f.rows; ++row)
+        for (int column = 0; column < f.columns; ++column) {
+          double p[3];
+          for (int a = 0; a < 3; ++a)
+            p[a] = f.origin[a] + column * f.spacing[1] * f.orientation[a] +
+                   row * f.spacing[0] * f.orientation[3 + a];
+          ASSERT_NEAR(f.at(column, row), 2000 + 20 * p[0] + 16 * p[1] + 12 * p[2], 1e-6) << plane;
+        }
+  }
+}
+
+TEST(GreyScalePhantom, PatchesHaveTheirStepsAndNothingLiesBetween) {
+  TempDir dir;
+  const Written w = writeAndRead(dir.path(), "grey-scale");
+  ASSERT_EQ(w.files.size(), 5u);
+  for (const ReadFile& f : w.files) {
+    for (int row = 0; row < f.rows; ++row)
+      for (int column = 0; column < f.columns; ++column) {
+        const double x = f.origin[0] + column + 37.5, y = f.origin[1] + row + 15;  // from patch 1
+        const double i = std::round(x / 15), k = std::round(y / 15);
+        const bool inside =
+            i >= 0 && i < 6 && k >= 0 && k < 3 && std::fabs(x - 15 * i) < 6.25 && std::fabs(y - 15 * k) < 6;
+        // Stored: slope 2, intercept -1024.
+        ASSERT_EQ(f.at(column, row), inside ? 12 + 100 * (6 * k + i) : 0) << column << " " << row;
+      }
+  }
+}
+
+TEST(UniformPhantom, IsOneValue) {
+  TempDir dir;
+  const Written w = writeAndRead(dir.path(), "uniform");
+  ASSERT_EQ(w.files.size(), 31u);
+  for (const ReadFile& f : w.files)
+    for (int row = 0; row < 41; ++row)
+      for (int column = 0; column < 41; ++column) ASSERT_EQ(f.at(column, row) - 1024, 1000);
+}
+
 // Noise has the stated mean and spread, and the head's tissues their values.
 TEST(CtHeadPhantom, TissuesHaveTheirStatedMeanAndNoise) {
   TempDir dir;
