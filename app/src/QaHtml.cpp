@@ -75,10 +75,15 @@ const QaJson* engineOf(const QaJson& c, const std::string& engine) {
   return nullptr;
 }
 
+// Numbers stand to the right, texts to the left.
+std::string valueCell(const QaJson& row, const char* key) {
+  return (row.at(key).is_number() ? "<td class=\"n\">" : "<td>") + text(row, key) + "</td>";
+}
+
 std::string cells(const QaJson* engineRow) {
   if (!engineRow) return "<td class=\"n\"></td><td class=\"soft\">&ndash;</td>";
-  return "<td class=\"n\">" + text(*engineRow, "measured") + "</td><td>" +
-         badge(engineRow->at("verdict").get<std::string>()) + "</td>";
+  return valueCell(*engineRow, "measured") + "<td>" + badge(engineRow->at("verdict").get<std::string>()) +
+         "</td>";
 }
 
 // The rows of a case, those of all engines side by side: by quantity, and in the order of the first.
@@ -121,11 +126,47 @@ std::string caseRows(const QaJson& c, const std::vector<std::string>& engines, c
       if (r->at("tolerance") != any.at("tolerance"))
         tolerance += " (" + escaped(engine) + ": " + text(*r, "tolerance") + ")";
     out += std::string("<tr") + (bad ? " class=\"bad\"" : "") + "><td>" + link + "</td><td>" +
-           text(any, "quantity") + "</td><td>" + text(any, "unit") + "</td><td class=\"n\">" +
-           text(any, "expected") + "</td><td class=\"n\" title=\"" + text(any, "why") + "\">" + tolerance +
-           "</td>" + values + "</tr>\n";
+           text(any, "quantity") + "</td><td>" + text(any, "unit") + "</td>" + valueCell(any, "expected") +
+           "<td class=\"n\" title=\"" + text(any, "why") + "\">" + tolerance + "</td>" + values + "</tr>\n";
   }
   return out + errors;
+}
+
+// What the suite is for: for each requirement the hazards behind it, and how its cases went on each engine.
+std::string requirements(const QaJson& d, const std::vector<std::string>& engines) {
+  struct Went {
+    std::string hazards;
+    std::map<std::string, std::pair<int, int>> passed;  // of how many
+  };
+  std::vector<std::string> order;
+  std::map<std::string, Went> all;
+  for (const QaJson& c : d.at("cases")) {
+    const std::string name = c.value("requirement", "");
+    if (name.empty()) continue;
+    if (!all.contains(name)) order.push_back(name);
+    Went& went = all[name];
+    if (const std::string hazard = c.value("hazard", "");
+        !hazard.empty() && went.hazards.find(hazard) == std::string::npos)
+      went.hazards += (went.hazards.empty() ? "" : "; ") + hazard;
+    for (const QaJson& e : c.at("engines")) {
+      auto& [passed, of] = went.passed[e.at("engine").get<std::string>()];
+      ++of, passed += e.at("verdict") == "pass" ? 1 : 0;
+    }
+  }
+  if (order.empty()) return "";
+  std::string out = "<h2>Requirements</h2>\n<table>\n<tr><th>Requirement</th><th>Hazard</th>";
+  for (const std::string& e : engines) out += "<th>Cases that pass, " + escaped(e) + "</th>";
+  out += "</tr>\n";
+  for (const std::string& name : order) {
+    out += "<tr><td>" + escaped(name) + "</td><td>" + escaped(all[name].hazards) + "</td>";
+    for (const std::string& e : engines) {
+      const auto [passed, of] = all[name].passed[e];
+      out += "<td class=\"" + std::string(passed == of ? "pass" : "fail") + "\">" +
+             (of == 0 ? "&ndash;" : std::to_string(passed) + " of " + std::to_string(of)) + "</td>";
+    }
+    out += "</tr>\n";
+  }
+  return out + "</table>\n";
 }
 
 std::string allRows(const QaJson& d, const std::vector<std::string>& engines) {
@@ -156,11 +197,11 @@ std::string reasons(const QaJson& c) {
   return out.empty() ? "" : "<div class=\"small\">Tolerances, why:<ul>" + out + "</ul></div>\n";
 }
 
-// One line of pictures: expected, drawn, what differs and how much.
+// Expected, drawn, what differs and how much: one line for each engine. Without a baseline all in one line.
 std::string enginePictures(const QaJson& c, const QaJson& e, const QaPictureBytes& bytes) {
   if (!e.contains("picture")) return "";
   const std::string engine = e.at("engine").get<std::string>();
-  std::string out = "<div class=\"pictures\">\n";
+  std::string out;
   if (c.contains("expected"))
     out += imageTag(bytes(c.at("expected").at("picture").get<std::string>()), "expected");
   out += imageTag(bytes(e.at("picture").get<std::string>()), engine + ", " + qaText(e.at("technique")));
@@ -168,7 +209,7 @@ std::string enginePictures(const QaJson& c, const QaJson& e, const QaPictureByte
     out += imageTag(bytes(e.at("heat").get<std::string>()), engine + ", difference (black: none)");
     out += histogramSvg(e.at("histogram").get<std::vector<std::uint64_t>>());
   }
-  return out + "</div>\n";
+  return c.contains("expected") ? "<div class=\"pictures\">\n" + out + "</div>\n" : out;
 }
 
 std::string caseBlock(const QaJson& c, std::size_t index, const QaPictureBytes& bytes) {
@@ -202,6 +243,7 @@ std::string caseBlock(const QaJson& c, std::size_t index, const QaPictureBytes& 
       out += " Not told: " + escaped(mutant) + " (" + escaped(qaText(why)) + ").";
     out += "</div>\n";
   }
+  if (!c.contains("expected")) pictures = "<div class=\"pictures\">\n" + pictures + "</div>\n";
   return out + pictures + "</div>\n";
 }
 
@@ -216,7 +258,8 @@ Result<std::string> qaHtml(const QaJson& d, const std::string& jsonSha256, const
     std::string out =
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Quality assurance: " +
         text(d, "suite") + "</title>\n<style>" + kQaStyle + "</style></head><body>\n";
-    out += head(d) + identity(d, jsonSha256) + allRows(d, engines) + "<h2>Cases</h2>\n";
+    out += head(d) + identity(d, jsonSha256) + requirements(d, engines) + allRows(d, engines) +
+           "<h2>Cases</h2>\n";
     std::size_t index = 0;
     for (const QaJson& c : d.at("cases")) out += caseBlock(c, index++, bytes);
     return out +

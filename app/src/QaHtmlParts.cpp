@@ -27,7 +27,8 @@ h1 { font-size: 22px; margin: 0 0 4px; } h2 { font-size: 17px; margin: 28px 0 8p
 .verdict.pass { background: var(--passback); } .verdict.fail { background: var(--failback); }
 .scope { border-left: 4px solid #9a6700; background: #fff8e5; padding: 8px 12px; margin: 12px 0; }
 table { border-collapse: collapse; width: 100%; margin: 6px 0; }
-th, td { text-align: left; vertical-align: top; padding: 3px 8px; border: 1px solid var(--line); }
+th, td { text-align: left; vertical-align: top; padding: 3px 8px; border: 1px solid var(--line);
+  overflow-wrap: break-word; }
 th { background: #f6f8fa; font-weight: bold; } td.n { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
 tr.bad td { background: var(--failback); } .hash { font-family: "DejaVu Sans Mono", monospace; font-size: 11px;
   word-break: break-all; }
@@ -35,7 +36,7 @@ tr.bad td { background: var(--failback); } .hash { font-family: "DejaVu Sans Mon
 .case.notpassed { border: 2px solid var(--fail); }
 .pictures { display: flex; flex-wrap: wrap; gap: 12px; margin-top: 8px; }
 figure { margin: 0; } figcaption { font-size: 12px; color: var(--soft); margin-top: 2px; max-width: 256px; }
-figure img { display: block; image-rendering: pixelated; max-width: 384px; border: 1px solid var(--line); }
+figure img { display: block; image-rendering: pixelated; max-width: 384px; min-width: 160px; border: 1px solid var(--line); }
 .gone { width: 160px; height: 120px; border: 1px dashed var(--fail); display: flex; align-items: center;
   justify-content: center; color: var(--fail); font-size: 12px; text-align: center; }
 .signed td { height: 64px; width: 33%; color: var(--soft); font-size: 12px; }

@@ -29,3 +29,10 @@ endforeach()
 if(NOT said MATCHES "combiners [a-z -]* iso ")
   message(FATAL_ERROR "the installed plugin dvr has no combiner iso: ${said}")
 endif()
+# The suite that comes with the program is there, and passes on the installed engine that needs no driver.
+execute_process(COMMAND ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH --unset=VERNIER_PLUGINS
+  ${PREFIX}/bin/vernier qa run clinic --engine native WORKING_DIRECTORY ${PREFIX}
+  OUTPUT_VARIABLE said ERROR_VARIABLE failed RESULT_VARIABLE code)
+if(NOT code EQUAL 0 OR NOT said MATCHES "cases pass")
+  message(FATAL_ERROR "the installed program does not pass its own suite: ${failed}")
+endif()

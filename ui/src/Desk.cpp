@@ -17,7 +17,13 @@ std::string lastPart(const std::string& path) {
 }  // namespace
 
 Desk::Desk(app::SessionOptions options, std::function<void()> wake)
-    : wake_(std::move(wake)), render_(wake_), load_(std::move(options), wake_) {}
+    : wake_(std::move(wake)),
+      quality_([this] {
+        qualityChanged_ = true;
+        wake_();
+      }),
+      render_(wake_),
+      load_(std::move(options), wake_) {}
 
 void Desk::open(std::vector<std::string> paths) {
   if (!paths.empty()) load_.open(std::move(paths));
@@ -199,7 +205,7 @@ void Desk::postTile(int t, bool onScreen) {
 }
 
 bool Desk::update() {
-  const bool changed = takeReady();
+  const bool changed = takeReady() | qualityChanged_.exchange(false);
   changes_ += changed ? 1 : 0;
   const std::vector<int> shown = workspace_.shown();
   // The tile under the hand first.

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "LoadService.h"
+#include "QualityCheck.h"
 #include "RenderService.h"
 #include "Workspace.h"
 #include "vernier/measure/Measure.h"
@@ -76,6 +77,7 @@ class Desk {
   // never over what was opened. load() adds those of a file.
   Result<void> saveMeasurements(int document, const std::string& path);
   Result<void> loadMeasurements(int document, const std::string& path);
+  QualityCheck& quality() { return quality_; }
   std::uint64_t picturesDrawn() const { return render_.drawn(); }
 
  private:
@@ -108,6 +110,8 @@ class Desk {
     Result<measure::Measured> result;
   };
   std::map<std::string, Said> said_;  // by id
+  std::atomic<bool> qualityChanged_ = false;
+  QualityCheck quality_;
   RenderService render_;
   LoadService load_;
 };

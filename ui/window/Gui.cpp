@@ -35,6 +35,7 @@ void Gui::frame() {
   statusBar({0, h - bottom, w, bottom});
   messages({side, top, w - side, h - top - bottom});
   help();
+  quality();
   notice();
   ImGui::PopFont();
 }
@@ -48,6 +49,8 @@ void Gui::keys() {
   if (pressed(GLFW_KEY_ESCAPE)) {
     if (help_)
       help_ = false;
+    else if (qualityShown_ && desk_.quality().state().phase != QualityState::Phase::Running)
+      qualityShown_ = false;
     else if (ruler_)
       takeRuler({});
     else if (desk_.progress())
@@ -206,7 +209,9 @@ void Gui::topBar(Rect r, bool twoRows) {
   measureMenu();
   const float help = ImGui::CalcTextSize("Help").x + 2 * ImGui::GetStyle().FramePadding.x;
   ImGui::SameLine(std::max(ImGui::GetCursorPosX(), r.w - help - theme_.px(10)));
-  if (toggle("Help", help_, "Mouse and keys (F1)")) help_ = !help_;
+  if (toggle("Help", help_ || qualityShown_, "Mouse and keys (F1); check of this installation"))
+    ImGui::OpenPopup("##helpmenu");
+  helpMenu(ImGui::GetItemRectMax());
   if (twoRows) {
     toolButtons();
     ImGui::SameLine(0, group);

@@ -107,6 +107,10 @@ class Gui {
   void help();
   void notice();
   void messages(Rect);
+  // QualityPanel.cpp
+  void helpMenu(ImVec2 corner);  // its upper right one
+  void quality();
+  void qualityResult(const QualityState&);
 
   Desk& desk_;
   Textures& textures_;
@@ -134,7 +138,7 @@ class Gui {
   bool listShown_ = false;
   char listPath_[4096] = "";
   char path_[4096] = "";
-  bool help_ = false, quit_ = false, notice_ = false, browserShown_ = true;
+  bool help_ = false, qualityShown_ = false, quit_ = false, notice_ = false, browserShown_ = true;
   std::function<std::string()> noticeAccepted_;
 };
 

@@ -12,8 +12,9 @@ inline constexpr ImU32 kBack = IM_COL32(17, 19, 22, 255), kPanel = IM_COL32(24, 
                        kRaised = IM_COL32(35, 40, 46, 255), kLine = IM_COL32(46, 52, 60, 255),
                        kText = IM_COL32(218, 223, 229, 255), kDim = IM_COL32(142, 151, 161, 255),
                        kAccent = IM_COL32(84, 164, 214, 255), kAccentDark = IM_COL32(38, 78, 105, 255),
-                       kAmber = IM_COL32(240, 180, 70, 255), kRed = IM_COL32(226, 84, 78, 255),
-                       kRedBand = IM_COL32(150, 32, 30, 255), kImage = IM_COL32(0, 0, 0, 255);
+                       kGood = IM_COL32(112, 190, 122, 255), kAmber = IM_COL32(240, 180, 70, 255),
+                       kRed = IM_COL32(226, 84, 78, 255), kRedBand = IM_COL32(150, 32, 30, 255),
+                       kImage = IM_COL32(0, 0, 0, 255);
 }  // namespace colour
 
 struct Theme {
