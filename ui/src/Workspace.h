@@ -117,6 +117,11 @@ class Workspace {
   void changeMeasurement(const measure::Measurement&);  // the one of this id
   void removeMeasurement(const std::string& id);
   const Drawn* measurement(const std::string& id) const;  // nullptr: none
+  // Of a region that lies on no acquired slice, where the nearest one is (Snap.h): whether there is one, and
+  // the move: the region goes there, and tile t's picture with it (-1: that of the tile that shows it); one
+  // step of undo. Linked pictures follow.
+  bool canSnap(const std::string& id) const;
+  void snap(const std::string& id, int t = -1);
 
   // Everything until endDrag() is one step of undo; false when it made none.
   void beginDrag();
