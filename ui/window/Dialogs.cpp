@@ -22,15 +22,17 @@ constexpr Binding kBindings[] = {
     {"L  A  Y  D", "measure once: length, angle, Cobb angle, diameters (long and short axis)"},
     {"E  B  O  H", "ellipse, box, polygon (double click or Enter closes it), outline by hand"},
     {"V  N  X", "value, arrow, text"},
-    {"M, Del", "list of measurements; takes the chosen one away"},
+    {"M", "list of measurements"},
+    {"G", "a lens on reformats, at the pointer; in a lens: what it shows next"},
+    {"Ctrl + wheel on a lens", "scales it, as dragging its outline does; dragging its inside moves it"},
+    {"Del", "takes the chosen measurement or lens away"},
     {"I, R", "inverts; whole picture in sight again"},
     {"F2  F3  F4", "stack, two side by side, MPR"},
     {"T", "scrolls, moves and magnifies pictures of one view together"},
     {"K, hold F", "two side by side: wipe under the pointer; the other one instead"},
     {"Ctrl+Z, Ctrl+Y", "undo, redo"},
-    {"Ctrl+B", "shows or hides the list of studies"},
+    {"Ctrl+B, Ctrl+Q", "shows or hides the list of studies; quits"},
     {"Esc", "cancels measuring or loading, closes this"},
-    {"Ctrl+Q", "quits"},
 };
 
 constexpr ImGuiWindowFlags kDialog = ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |

@@ -6,6 +6,7 @@
 
 #include "Desk.h"
 #include "Handles.h"
+#include "Lenses.h"
 #include "Textures.h"
 #include "Theme.h"
 
@@ -104,6 +105,24 @@ class Gui {
                        const std::string& label);
   std::optional<Grip> gripAt(int t, Rect) const;
   glm::dvec2 pixelUnderPointer(Rect) const;
+  // LensTools.cpp
+  struct LensHold {  // a lens in the hand
+    std::size_t lens = 0;
+    int tile = -1;
+    LensPart part = LensPart::Inside;
+    ImVec2 begin{};
+    LensLayer before;
+    double radius_px = 0;
+  };
+  std::optional<int> tileUnderPointer() const;
+  std::optional<LensHold> lensAt(int t, glm::dvec2 px) const;
+  void lensKey();
+  void putLens(int t, glm::dvec2 px);
+  bool removeChosenLens();
+  bool lensWheel(int t, Rect, int notches);
+  bool lensHands(int t, Rect, bool hovered);
+  void dragLens();
+  void lenses(int t, Rect);
   // MeasurePanel.cpp
   void measureList(Rect);
   void measureRow(const Drawn&, int number);
@@ -161,7 +180,10 @@ class Gui {
   std::vector<std::pair<double, double>> way_;
   std::optional<Grip> grip_;
   std::array<Rect, kTiles> tileArea_{};  // of the pictures, as drawn last
-  std::string selected_;                 // id of a measurement
+  // Chosen, for Del: a measurement by its id, or else a lens.
+  std::string selected_;
+  std::optional<std::size_t> lens_;
+  std::optional<LensHold> lensHold_;
   bool listShown_ = false;
   std::string wordsOf_;  // the measurement whose words stand in words_
   char words_[200] = "";

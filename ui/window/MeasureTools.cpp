@@ -48,6 +48,14 @@ void Gui::measureMenu() {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", f.how);
   }
   ImGui::Separator();
+  if (ImGui::Selectable("Lens   G")) {
+    const int t = desk_.workspace().now().active;
+    const View& v = desk_.tileView(t).view;
+    putLens(t, 0.5 * glm::dvec2(v.width_px, v.height_px));
+  }
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("in the middle of the picture; the key places it at the pointer");
+  ImGui::Separator();
   if (ImGui::Selectable("List   M", listShown_)) listShown_ = !listShown_;
   ImGui::EndCombo();
 }

@@ -38,9 +38,13 @@ void Gui::measureKeys() {
   const bool enter =
       ImGui::IsKeyPressed(GLFW_KEY_ENTER, false) || ImGui::IsKeyPressed(GLFW_KEY_KP_ENTER, false);
   if (enter && ruler_ == Ruler::Polygon && sketch_) closeSketch();
-  if (ImGui::IsKeyPressed(GLFW_KEY_DELETE, false) && w.measurement(selected_)) {
+  if (ImGui::IsKeyPressed(GLFW_KEY_G, false)) lensKey();
+  if (!ImGui::IsKeyPressed(GLFW_KEY_DELETE, false)) return;
+  if (w.measurement(selected_)) {
     w.removeMeasurement(selected_);
     selected_.clear();
+  } else {
+    removeChosenLens();
   }
 }
 
