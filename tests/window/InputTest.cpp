@@ -54,5 +54,18 @@ TEST(InputQueue, AClickTakesTwoFramesAndMovesBeforeItOne) {
   EXPECT_EQ(f[2][0].x, 3);
 }
 
+TEST(InputQueue, TheWayOfAPointerIsKeptForOutlines) {
+  InputQueue queue;
+  for (const double x : {1.0, 2.0, 5.0}) queue.add(event(Kind::Pointer, 0, false, x));
+  queue.add(event(Kind::Button, 0, true));
+  queue.add(event(Kind::Pointer, 0, false, 7));
+  (void)queue.next();
+  ASSERT_EQ(queue.way().size(), 3u);
+  for (const auto& [n, x] : {std::pair(0u, 1.0), {1u, 2.0}, {2u, 5.0}}) EXPECT_EQ(queue.way()[n].first, x);
+  (void)queue.next();
+  ASSERT_EQ(queue.way().size(), 1u);
+  EXPECT_EQ(queue.way()[0].first, 7);
+}
+
 }  // namespace
 }  // namespace vernier::ui

@@ -60,6 +60,9 @@ class WindowDriver {
     if (ctrl) send({InputEvent::Kind::Key, 0, 0, GLFW_KEY_LEFT_CONTROL, false, {}});
   }
   void hold(int k, bool down) { send({InputEvent::Kind::Key, 0, 0, k, down, {}}); }
+  void type(const std::string& ascii) {
+    for (const char c : ascii) send({InputEvent::Kind::Text, 0, 0, c, false, {}});
+  }
   void click(double x, double y, int b = 0) {
     move(x, y);
     button(b, true);

@@ -195,13 +195,14 @@ void Desk::postTile(int t, bool onScreen) {
     if (posted && !sliceOf(posted->scene)) render_.forget(t), posted.reset(), shown.picture.reset();
     return;
   }
-  const bool same = posted && posted->scene == tile.scene && posted->scale == scale_ &&
+  Scene scene = workspace_.sceneOf(t);
+  const bool same = posted && posted->scene == scene && posted->scale == scale_ &&
                     posted->view.width_px == shown.view.width_px &&
                     posted->view.height_px == shown.view.height_px;
   if (same) return;
   const std::uint64_t since = posted ? posted->since : generation_ + 1;
-  posted = Posted{++generation_, since, tile.scene, shown.view, tile.source, scale_};
-  render_.post({t, posted->generation, d->session, tile.scene, shown.view, scale_});
+  posted = Posted{++generation_, since, scene, shown.view, tile.source, scale_};
+  render_.post({t, posted->generation, d->session, std::move(scene), shown.view, scale_});
 }
 
 bool Desk::update() {

@@ -73,6 +73,8 @@ class Desk {
   const Result<measure::Measured>* said(const Drawn&);
   // Of a document: why not, where measuring is switched off (no plugin); empty: it may.
   Result<void> mayMeasure(int document) const;
+  // The same of lenses.
+  Result<void> mayLens(int document) const;
   // All measurements of a document with what they say, as docs/measurements.md has it; whole or not at all,
   // never over what was opened. load() adds those of a file.
   Result<void> saveMeasurements(int document, const std::string& path);

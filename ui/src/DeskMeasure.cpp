@@ -4,6 +4,7 @@
 #include "MeasureSources.h"
 #include "OptionChecks.h"
 #include "OptionText.h"
+#include "PluginHost.h"
 #include "vernier/measure/MeasurementJson.h"
 #include "vernier/picture/WriteFile.h"
 
@@ -24,6 +25,16 @@ Result<void> Desk::mayMeasure(int number) const {
   const Document* d = document(number);
   if (!d) return makeError(ErrorCode::NothingToLoad, "Open a series first.");
   return app::measuringPlugin(*d->session);
+}
+
+Result<void> Desk::mayLens(int number) const {
+  const Document* d = document(number);
+  if (!d) return makeError(ErrorCode::NothingToLoad, "Open a series first.");
+  for (const app::PluginInfo& p : d->session->plugins())
+    if (p.name == "lens" && p.state == app::PluginState::Loaded) return {};
+  return makeError(ErrorCode::PluginMissing,
+                   "Lenses need the plugin `lens`; `vernier plugins` tells where plugins are looked for.",
+                   "lens");
 }
 
 Result<void> Desk::saveMeasurements(int number, const std::string& path) {

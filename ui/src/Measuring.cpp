@@ -57,10 +57,16 @@ const std::vector<RulerFacts>& rulers() {
   static const std::vector<RulerFacts> all = {
       {Ruler::Length, "Length", "L", "from one end to the other", 2},
       {Ruler::Angle, "Angle", "A", "an end, the vertex, the other end", 3},
+      {Ruler::Cobb, "Cobb angle", "Y", "one line, then the other: two drags or four clicks", 4},
+      {Ruler::Bidirectional, "Diameters", "D", "the long axis, then the short one at right angles to it", 4},
       {Ruler::Ellipse, "Ellipse", "E", "two corners of its box", 2},
       {Ruler::Rectangle, "Rectangle", "B", "two corners", 2},
-      {Ruler::Probe, "Probe", "V", "the value of a point", 1},
-      {Ruler::Arrow, "Arrow", "N", "its tip, then its tail", 2}};
+      {Ruler::Polygon, "Polygon", "O", "its corners; double click, Enter or the first one again closes it",
+       0},
+      {Ruler::Freehand, "By hand", "H", "press, draw around it, let go", 0},
+      {Ruler::Probe, "Value", "V", "the value of a point", 1},
+      {Ruler::Arrow, "Arrow", "N", "its tip, then its tail", 2},
+      {Ruler::Text, "Text", "X", "a point, then the words, then Enter", 1}};
   return all;
 }
 const RulerFacts& factsOf(Ruler r) {
@@ -68,20 +74,31 @@ const RulerFacts& factsOf(Ruler r) {
 }
 
 measure::Shape shapeOf(Ruler r, const std::vector<Spot>& p) {
-  VERNIER_ASSERT(p.size() == factsOf(r).points);
+  const std::size_t points = factsOf(r).points;
+  VERNIER_ASSERT(points > 0 ? p.size() == points : p.size() >= 3);
   switch (r) {
     case Ruler::Length:
       return measure::Length{{p[0], p[1]}};
     case Ruler::Angle:
       return measure::Angle{p[1], {p[0], p[2]}};
+    case Ruler::Cobb:
+      return measure::Cobb{{p[0], p[1]}, {p[2], p[3]}};
+    case Ruler::Bidirectional:
+      return measure::Bidirectional{{p[0], p[1]}, {p[2], p[3]}};
     case Ruler::Rectangle:
       return measure::RectangleRegion{{p[0], p[1]}};
     case Ruler::Ellipse:
       return measure::EllipseRegion{{p[0], p[1]}};
+    case Ruler::Polygon:
+      return measure::PolygonRegion{p};
+    case Ruler::Freehand:
+      return measure::FreehandRegion{p};
     case Ruler::Probe:
       return measure::Probe{p[0]};
     case Ruler::Arrow:
       return measure::Arrow{p[0], p[1], ""};
+    case Ruler::Text:
+      return measure::Text{p[0], ""};
   }
   return measure::Probe{};
 }
@@ -112,6 +129,15 @@ Spot spotAt(const Place& place, Space space, glm::dvec2 px) {
 glm::dvec2 pixelOf(const Place& place, Space space, const Spot& s) {
   if (space == Space::Patient) return place.pixelOf(PatientPoint(s));
   return pictureFromFrame(*place.image, glm::dvec2(s) - 0.5);
+}
+
+bool standsOn(const measure::Placement& on, const Spot& s, const Scene& scene, const SourceId& source,
+              const Place& place) {
+  const auto here = placementOn(scene, source, place);
+  if (!here || here->space != on.space || here->source != on.source || here->frame != on.frame ||
+      here->shown != on.shown || here->axes != on.axes)
+    return false;
+  return on.space == Space::Image || std::abs(place.distance_mm(PatientPoint(s))) <= 1e-6 * place.unit_mm;
 }
 
 bool shownOn(const Drawn& d, const Scene& scene, const SourceId& source, const Place& place,

@@ -6,16 +6,30 @@
 
 namespace vernier::ui {
 
-// Tools that are used once: they take their points one after the other.
-enum class Ruler { Length, Angle, Rectangle, Ellipse, Probe, Arrow };
+// Tools that are used once: they take their points one after the other. Polygon and Freehand take as many as
+// the hand makes.
+enum class Ruler {
+  Length,
+  Angle,
+  Cobb,
+  Bidirectional,
+  Ellipse,
+  Rectangle,
+  Polygon,
+  Freehand,
+  Probe,
+  Arrow,
+  Text
+};
 struct RulerFacts {
   Ruler ruler;
   const char *name, *key, *how;
-  std::size_t points;
+  std::size_t points;  // 0: as many as the hand makes, three at least
 };
 const std::vector<RulerFacts>& rulers();
 const RulerFacts& factsOf(Ruler);
-// points.size() as the ruler takes them. Angle: end, vertex, end. Arrow: tip, tail.
+// points.size() as the ruler takes them. Angle: end, vertex, end. Arrow: tip, tail. Cobb and Bidirectional:
+// both ends of one line, then of the other.
 measure::Shape shapeOf(Ruler, const std::vector<measure::Spot>&);
 
 // What a measurement on this picture stands upon: the stored frame of an image layer, else the patient.
@@ -23,6 +37,8 @@ measure::Shape shapeOf(Ruler, const std::vector<measure::Spot>&);
 std::optional<measure::Placement> placementOn(const Scene&, const SourceId&, const Place&);
 measure::Spot spotAt(const Place&, measure::Space, glm::dvec2 px);
 glm::dvec2 pixelOf(const Place&, measure::Space, const measure::Spot&);
+// Whether a point placed there lies on what the picture shows now: the same frame, the same plane.
+bool standsOn(const measure::Placement&, const measure::Spot&, const Scene&, const SourceId&, const Place&);
 
 // Whether the picture shows it: the same stored frame; or the same frame of reference, all points within half
 // a slice of the picture's plane.

@@ -51,13 +51,17 @@ void Workspace::forget(int document) {
   for (Tile& tile : now_.tiles)
     if (tile.source.document == document) tile = {};
   std::erase_if(now_.measurements, [&](const Drawn& d) { return d.document == document; });
+  std::erase_if(now_.lenses, [&](const PlacedLens& l) {
+    return std::none_of(facts_.begin(), facts_.end(),
+                        [&](const auto& f) { return f.second->linkKey == l.linkKey; });
+  });
   past_.clear();
   future_.clear();
   last_.reset();
 }
 
 Arrangement& Workspace::edit(Gesture kind, int t) {
-  const bool gathers = dragging_ || kind == Gesture::Scroll;
+  const bool gathers = dragging_ || kind == Gesture::Scroll || kind == Gesture::LensSize;
   const GestureKey key{dragging_ ? Gesture::Open : kind, dragging_ ? 0 : t, dragging_ ? drags_ : -1};
   if (!gathers || !last_ || *last_ != key) {
     past_.push_back(now_);

@@ -36,6 +36,16 @@ struct Drawn {
   friend bool operator==(const Drawn&, const Drawn&) = default;
 };
 
+// A lens in the patient, shown in all slices of this frame of reference and modality. Its inner look as it
+// was chosen; a window that is absent is that of the slice, and `invert` means: other than the slice.
+struct PlacedLens {
+  std::string linkKey, modality;
+  std::string look;  // for the screen
+  LensLayer layer;
+  friend bool operator==(const PlacedLens&, const PlacedLens&) = default;
+};
+struct LensLook;  // Lenses.h
+
 // All that undo brings back.
 struct Arrangement {
   Layout layout = Layout::Single;
@@ -48,10 +58,25 @@ struct Arrangement {
   // The image that each tile showed when that began: the offset between stacks that share no coordinates.
   std::array<std::int64_t, kTiles> togetherFrom{};
   std::vector<Drawn> measurements;  // in the order of their making; ids are unique
+  std::vector<PlacedLens> lenses;   // the later one wins where they overlap
   friend bool operator==(const Arrangement&, const Arrangement&) = default;
 };
 
-enum class Gesture { Together, Open, Layout, Scroll, Window, Pan, Zoom, Crosshair, Reset, Invert, Measure };
+enum class Gesture {
+  Together,
+  Open,
+  Layout,
+  Scroll,
+  Window,
+  Pan,
+  Zoom,
+  Crosshair,
+  Reset,
+  Invert,
+  Measure,
+  Lens,
+  LensSize
+};
 
 // A window to choose: of the file, of the list of CT presets, automatic.
 struct WindowChoice {
@@ -117,6 +142,21 @@ class Workspace {
   void changeMeasurement(const measure::Measurement&);  // the one of this id
   void removeMeasurement(const std::string& id);
   const Drawn* measurement(const std::string& id) const;  // nullptr: none
+  // Of a region that lies on no acquired slice, where the nearest one is (Snap.h): whether there is one, and
+  // the move: the region goes there, and tile t's picture with it (-1: that of the tile that shows it); one
+  // step of undo. Linked pictures follow.
+  bool canSnap(const std::string& id) const;
+  void snap(const std::string& id, int t = -1);
+
+  // WorkspaceLens.cpp. The tile's scene with the lenses that show in it, as it is drawn.
+  Scene sceneOf(int t) const;
+  bool showsLens(int t, std::size_t lens) const;
+  // A sphere about the point; nullopt where the tile shows no slice. Its place in Arrangement::lenses.
+  std::optional<std::size_t> addLens(int t, PatientPoint middle, double radius_mm, const LensLook&);
+  void changeLens(std::size_t lens, const LensLayer&);
+  void sizeLens(std::size_t lens, double factor);  // notches one after the other are one step of undo
+  void setLensLook(std::size_t lens, const LensLook&);
+  void removeLens(std::size_t lens);
 
   // Everything until endDrag() is one step of undo; false when it made none.
   void beginDrag();

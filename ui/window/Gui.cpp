@@ -32,12 +32,14 @@ void Gui::frame() {
   if (browserShown_) browser({0, top, side, h - top - bottom});
   tiles({side, top, w - side - list, h - top - bottom});
   if (listShown_) measureList({w - list, top, list, h - top - bottom});
+  writing();
   statusBar({0, h - bottom, w, bottom});
   messages({side, top, w - side, h - top - bottom});
   help();
   quality();
   notice();
   ImGui::PopFont();
+  way_.clear();  // a frame that is laid out twice takes it once
 }
 
 void Gui::keys() {

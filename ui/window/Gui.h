@@ -5,7 +5,8 @@
 #include <string>
 
 #include "Desk.h"
-#include "Measuring.h"
+#include "Handles.h"
+#include "Lenses.h"
 #include "Textures.h"
 #include "Theme.h"
 
@@ -20,6 +21,9 @@ class Gui {
 
   // Between ImGui::NewFrame() and ImGui::Render().
   void frame();
+
+  // Where the pointer went since the last frame (Input.h).
+  void setWay(std::vector<std::pair<double, double>> way) { way_ = std::move(way); }
 
   void showNotice(std::function<std::string()> accepted) {
     noticeAccepted_ = std::move(accepted), notice_ = true;
@@ -73,26 +77,56 @@ class Gui {
   void drag();
   void hoverDetails(int t, Rect);
   void probe(int t, Rect);
+  // Sketching.cpp
+  void takeRuler(std::optional<Ruler>);
+  void measureKeys();
+  bool measureHands(int t, Rect, bool hovered);  // true: the click is theirs
+  bool sketchClick(int t, Rect);
+  void sketchMotion(int t, Rect);
+  bool beginSketch(int t);
+  glm::dvec2 guided(const Place&, glm::dvec2 px) const;
+  void addSpot(const Place&, glm::dvec2 px);
+  void closeSketch();
+  void finishSketch(const Place&);
+  void writing();
   // MeasureTools.cpp
   struct Grip {  // a handle in the hand
     std::string id;
     std::size_t handle = 0;
     int tile = -1;
   };
-  void takeRuler(std::optional<Ruler>);
-  void measureKeys();
   void measureMenu();
-  bool measureHands(int t, Rect, bool hovered);  // true: the click is theirs
+  bool gripHands(int t, Rect, bool clicked);
   void dragHandle();
-  void addSpot(const Place&, glm::dvec2 px);
   void measurements(int t, Rect);
+  void sketch(int t, Rect);
+  void offerSnap(const Drawn&, int t, Rect);
   void drawMeasurement(const measure::Measurement&, const Place&, Rect, bool selected,
                        const std::string& label);
   std::optional<Grip> gripAt(int t, Rect) const;
   glm::dvec2 pixelUnderPointer(Rect) const;
+  // LensTools.cpp
+  struct LensHold {  // a lens in the hand
+    std::size_t lens = 0;
+    int tile = -1;
+    LensPart part = LensPart::Inside;
+    ImVec2 begin{};
+    LensLayer before;
+    double radius_px = 0;
+  };
+  std::optional<int> tileUnderPointer() const;
+  std::optional<LensHold> lensAt(int t, glm::dvec2 px) const;
+  void lensKey();
+  void putLens(int t, glm::dvec2 px);
+  bool removeChosenLens();
+  bool lensWheel(int t, Rect, int notches);
+  bool lensHands(int t, Rect, bool hovered);
+  void dragLens();
+  void lenses(int t, Rect);
   // MeasurePanel.cpp
   void measureList(Rect);
   void measureRow(const Drawn&, int number);
+  void measureWords(const Drawn&);
   void measureFile();
   // BrowserPanel.cpp
   void browser(Rect);
@@ -132,10 +166,31 @@ class Gui {
     bool held = false;
   };
   std::optional<Sketch> sketch_;
+  struct Writing {  // the words of a text, while they are typed
+    int document = -1;
+    measure::Measurement what;
+    ImVec2 at{};
+    bool fresh = true;
+    char words[200] = "";
+  };
+  std::optional<Writing> writing_;
+  struct Offer {  // to go to the nearest acquired slice, as drawn last
+    std::string id;
+    int tile = -1;
+    Rect box;
+  };
+  std::optional<Offer> offer_;
+  Rect labelBox_;  // of the measurement drawn last
+  std::vector<std::pair<double, double>> way_;
   std::optional<Grip> grip_;
   std::array<Rect, kTiles> tileArea_{};  // of the pictures, as drawn last
-  std::string selected_;                 // id of a measurement
+  // Chosen, for Del: a measurement by its id, or else a lens.
+  std::string selected_;
+  std::optional<std::size_t> lens_;
+  std::optional<LensHold> lensHold_;
   bool listShown_ = false;
+  std::string wordsOf_;  // the measurement whose words stand in words_
+  char words_[200] = "";
   char listPath_[4096] = "";
   char path_[4096] = "";
   bool help_ = false, qualityShown_ = false, quit_ = false, notice_ = false, browserShown_ = true;

@@ -110,6 +110,7 @@ Result<void> Host::openWindow(const HostOptions& o) {
                                            {ImGuiKey_Backspace, GLFW_KEY_BACKSPACE},
                                            {ImGuiKey_Space, GLFW_KEY_SPACE},
                                            {ImGuiKey_Enter, GLFW_KEY_ENTER},
+                                           {ImGuiKey_KeyPadEnter, GLFW_KEY_KP_ENTER},
                                            {ImGuiKey_Escape, GLFW_KEY_ESCAPE},
                                            {ImGuiKey_A, GLFW_KEY_A},
                                            {ImGuiKey_C, GLFW_KEY_C},
@@ -238,6 +239,7 @@ void Host::frame() {
     }
   }
   for (const InputEvent& e : input_.next()) feed(e);
+  gui_->setWay(input_.way());
   const std::uint64_t posted = desk_->posted();
   layOut();
   desk_->update();  // scenes that were edited go to the renderer at once

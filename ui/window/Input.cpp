@@ -8,6 +8,7 @@ namespace vernier::ui {
 std::vector<InputEvent> InputQueue::next() {
   using Kind = InputEvent::Kind;
   std::vector<InputEvent> out;
+  way_.clear();
   const auto taken = [&](auto&& test) { return std::any_of(out.begin(), out.end(), test); };
   while (!events_.empty()) {
     const InputEvent& e = events_.front();
@@ -26,6 +27,7 @@ std::vector<InputEvent> InputQueue::next() {
         (e.kind == Kind::Wheel && taken([](const InputEvent& o) { return o.kind == Kind::Button; })) ||
         (e.kind == Kind::Drop && !out.empty());
     if (waits) break;
+    if (e.kind == Kind::Pointer) way_.emplace_back(e.x, e.y);
     if (e.kind == Kind::Pointer && !out.empty() && out.back().kind == Kind::Pointer)
       out.back() = e;
     else

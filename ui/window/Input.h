@@ -5,6 +5,7 @@
 #pragma once
 #include <deque>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vernier::ui {
@@ -23,8 +24,12 @@ class InputQueue {
   bool empty() const { return events_.empty(); }
   // Those of the next frame.
   std::vector<InputEvent> next();
+  // Where the pointer went on its way through the last next(), in order, its last place included: an outline
+  // that is drawn by hand keeps its curves however slow frames are.
+  const std::vector<std::pair<double, double>>& way() const { return way_; }
 
  private:
+  std::vector<std::pair<double, double>> way_;
   std::deque<InputEvent> events_;
 };
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The list of measurements: what each says, where its millimetres come from, and its file.
+#include <cstdio>
+
 #include "Gui.h"
 
 namespace vernier::ui {
@@ -49,6 +51,13 @@ void Gui::measureRow(const Drawn& d, int number) {
       ImGui::TextDisabled("%s", (*said)->originText.c_str());
     for (const std::string& note : (*said)->notes) ImGui::TextDisabled("%s", note.c_str());
   }
+  if (selected_ == id) measureWords(d);
+  if (w.canSnap(id)) {
+    if (ImGui::SmallButton("Snap to acquired slice")) w.snap(id);
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip(
+          "Takes the region, and its picture, to the nearest acquired slice: values of stored pixels");
+  }
   ImGui::PopTextWrapPos();
   ImGui::PopFont();
   ImGui::Dummy({0, theme_.px(3)});
@@ -56,6 +65,25 @@ void Gui::measureRow(const Drawn& d, int number) {
   if (!away) return;
   w.removeMeasurement(id);  // `d` is gone
   if (selected_ == id) selected_.clear();
+}
+
+// Of the chosen one: what the user calls it, or what an arrow or a text says.
+void Gui::measureWords(const Drawn& d) {
+  measure::Measurement m = d.what;
+  auto* arrow = std::get_if<measure::Arrow>(&m.shape);
+  auto* text = std::get_if<measure::Text>(&m.shape);
+  std::string& words = arrow ? arrow->text : text ? text->text : m.label;
+  if (wordsOf_ != m.id) {
+    wordsOf_ = m.id;
+    std::snprintf(words_, sizeof words_, "%s", words.c_str());
+  }
+  ImGui::SetNextItemWidth(-1);
+  ImGui::InputTextWithHint("##words", arrow || text ? "Words" : "Label", words_, sizeof words_);
+  if (!ImGui::IsItemActive() && !ImGui::IsItemDeactivated())
+    std::snprintf(words_, sizeof words_, "%s", words.c_str());  // as undo left them
+  if (!ImGui::IsItemDeactivatedAfterEdit() || (text && words_[0] == '\0')) return;
+  words = words_;
+  desk_.workspace().changeMeasurement(m);
 }
 
 // Measurements of the active picture's document.
@@ -90,7 +118,8 @@ void Gui::measureList(Rect r) {
   ImGui::BeginChild("##rows", {0, -file});
   const std::vector<Drawn> all = desk_.workspace().now().measurements;  // a row may take one away
   if (all.empty())
-    ImGui::TextWrapped("None yet. L measures a length, A an angle, E and B a region, V a value.");
+    ImGui::TextWrapped(
+        "None yet. L measures a length, A an angle, E and B a region, V a value; Measure has them all.");
   for (std::size_t n = 0; n < all.size(); ++n) measureRow(all[n], static_cast<int>(n) + 1);
   ImGui::EndChild();
   measureFile();

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Measuring by hand: tools that are used once, their points, handles, and how measurements lie over a
-// picture.
-#include <GLFW/glfw3.h>
-
+// Measurements as they lie over a picture: lines, labels, handles, and the offer to go to an acquired slice.
 #include <algorithm>
 #include <cmath>
 
@@ -18,11 +15,14 @@ constexpr float kGrip = 8, kDragged = 4;  // px
 // What stands beside it; a second line for the spread of values.
 std::string labelOf(const measure::Measurement& m, const Result<measure::Measured>* said) {
   if (const auto* a = std::get_if<measure::Arrow>(&m.shape)) return a->text.empty() ? m.label : a->text;
+  if (const auto* t = std::get_if<measure::Text>(&m.shape)) return t->text;
   if (!said) return "...";
   if (!*said) return "not measured";
   std::string text = m.label.empty() ? "" : m.label + "\n";
   if ((*said)->quantities.empty()) return text;
   text += measure::displayText((*said)->quantities.front());
+  if (std::holds_alternative<measure::Bidirectional>(m.shape))
+    text += "\n" + measure::displayText((*said)->quantities.at(1));
   for (const measure::Quantity& q : (*said)->quantities)
     if (q.name == "mean") {
       text += "\nmean " + measure::displayText(q);
@@ -34,28 +34,6 @@ std::string labelOf(const measure::Measurement& m, const Result<measure::Measure
 }
 
 }  // namespace
-
-void Gui::takeRuler(std::optional<Ruler> r) {
-  sketch_.reset();
-  ruler_.reset();
-  if (!r) return;
-  const Workspace& w = desk_.workspace();
-  const Result<void> may = desk_.mayMeasure(w.tile(w.now().active).source.document);
-  why_ = may ? "" : may.error().sentence;
-  if (may) ruler_ = r;
-}
-
-void Gui::measureKeys() {
-  Workspace& w = desk_.workspace();
-  for (const RulerFacts& f : rulers())
-    if (ImGui::IsKeyPressed(f.key[0], false))
-      takeRuler(ruler_ == f.ruler ? std::nullopt : std::optional(f.ruler));
-  if (ImGui::IsKeyPressed(GLFW_KEY_M, false)) listShown_ = !listShown_;
-  if (ImGui::IsKeyPressed(GLFW_KEY_DELETE, false) && w.measurement(selected_)) {
-    w.removeMeasurement(selected_);
-    selected_.clear();
-  }
-}
 
 void Gui::measureMenu() {
   ImGui::SetNextItemWidth(theme_.px(112));
@@ -70,14 +48,16 @@ void Gui::measureMenu() {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", f.how);
   }
   ImGui::Separator();
+  if (ImGui::Selectable("Lens   G")) {
+    const int t = desk_.workspace().now().active;
+    const View& v = desk_.tileView(t).view;
+    putLens(t, 0.5 * glm::dvec2(v.width_px, v.height_px));
+  }
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("in the middle of the picture; the key places it at the pointer");
+  ImGui::Separator();
   if (ImGui::Selectable("List   M", listShown_)) listShown_ = !listShown_;
   ImGui::EndCombo();
-}
-
-// Its centre, as the value in the status line has it.
-glm::dvec2 Gui::pixelUnderPointer(Rect r) const {
-  const ImVec2 mouse = ImGui::GetIO().MousePos;
-  return {std::floor(mouse.x - r.x) + 0.5, std::floor(mouse.y - r.y) + 0.5};
 }
 
 // Of the measurement that lies on top.
@@ -91,7 +71,7 @@ std::optional<Gui::Grip> Gui::gripAt(int t, Rect r) const {
     const SourceFacts* own = w.facts({d->document, d->what.on.source});
     if (!shownOn(*d, shown.picture->scene, w.tile(t).source, *shown.place, *facts, own)) continue;
     const std::vector<measure::Spot> handles = measure::handlesOf(d->what.shape);
-    for (std::size_t n = 0; n < handles.size(); ++n) {
+    for (const std::size_t n : gripsOf(d->what.shape)) {
       const glm::dvec2 px = pixelOf(*shown.place, d->what.on.space, handles[n]);
       if (glm::length(px - pixelUnderPointer(r)) <= theme_.px(kGrip)) return Grip{d->what.id, n, t};
     }
@@ -99,61 +79,22 @@ std::optional<Gui::Grip> Gui::gripAt(int t, Rect r) const {
   return std::nullopt;
 }
 
-void Gui::addSpot(const Place& place, glm::dvec2 px) {
-  sketch_->spots.push_back(spotAt(place, sketch_->on.space, px));
-  if (sketch_->spots.size() < factsOf(*ruler_).points) return;
-  Workspace& w = desk_.workspace();
-  measure::Measurement m;
-  m.on = sketch_->on;
-  m.shape = shapeOf(*ruler_, sketch_->spots);
-  selected_ = w.addMeasurement(w.tile(sketch_->tile).source.document, std::move(m));
-  takeRuler({});  // used once
-}
-
-bool Gui::measureHands(int t, Rect r, bool hovered) {
-  const TileView& shown = desk_.tileView(t);
-  const bool clicked = hovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left);
-  if (!ruler_) {
-    if (grip_) return true;
-    if (!clicked || drag_ || ImGui::GetIO().KeyCtrl) return false;
-    grip_ = gripAt(t, r);
-    if (!grip_) return false;
-    selected_ = grip_->id;
+bool Gui::gripHands(int t, Rect r, bool clicked) {
+  if (grip_) return true;
+  if (!clicked || drag_ || ImGui::GetIO().KeyCtrl) return false;
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  if (offer_ && offer_->tile == t && mouse.x >= offer_->box.x && mouse.x < offer_->box.x + offer_->box.w &&
+      mouse.y >= offer_->box.y && mouse.y < offer_->box.y + offer_->box.h) {
     desk_.workspace().setActive(t);
-    desk_.workspace().beginDrag();
+    desk_.workspace().snap(offer_->id, t);
     return true;
   }
-  if (!shown.picture || shown.picture->error || !shown.place) return false;
-  if (sketch_ && sketch_->tile != t) {  // points of one measurement stand on one picture
-    if (clicked) sketch_.reset();
-  }
-  if (clicked) {
-    desk_.workspace().setActive(t);
-    if (sketch_ && sketch_->on.space == measure::Space::Image &&
-        sketch_->on.frame !=
-            placementOn(shown.picture->scene, desk_.workspace().tile(t).source, *shown.place)->frame)
-      sketch_.reset();  // another image was scrolled to
-    if (!sketch_) {
-      const auto on = placementOn(shown.picture->scene, desk_.workspace().tile(t).source, *shown.place);
-      if (!on) {
-        why_ = "This picture has no place that could be measured in.";
-        takeRuler({});
-        return true;
-      }
-      sketch_ = Sketch{t, *on, {}, {}, false};
-    }
-    sketch_->pressed = ImGui::GetIO().MousePos;
-    sketch_->held = true;
-    addSpot(*shown.place, pixelUnderPointer(r));
-    return true;
-  }
-  if (sketch_ && sketch_->tile == t && sketch_->held && !ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
-    sketch_->held = false;  // press, drag and release give two points
-    const ImVec2 mouse = ImGui::GetIO().MousePos;
-    const double way = std::hypot(mouse.x - sketch_->pressed.x, mouse.y - sketch_->pressed.y);
-    if (way > theme_.px(kDragged)) addSpot(*shown.place, pixelUnderPointer(r));
-  }
-  return !(ImGui::IsMouseClicked(ImGuiMouseButton_Right) || ImGui::IsMouseClicked(ImGuiMouseButton_Middle));
+  grip_ = gripAt(t, r);
+  if (!grip_) return false;
+  selected_ = grip_->id;
+  desk_.workspace().setActive(t);
+  desk_.workspace().beginDrag();
+  return true;
 }
 
 void Gui::dragHandle() {
@@ -167,11 +108,15 @@ void Gui::dragHandle() {
           0) {
     measure::Measurement m = d->what;
     const glm::dvec2 px = pixelUnderPointer(tileArea_[static_cast<std::size_t>(grip_->tile)]);
-    measure::Spot to = spotAt(*shown.place, m.on.space, px);
-    measure::setHandle(m.shape, grip_->handle, to);
+    moveGrip(m.shape, grip_->handle, spotAt(*shown.place, m.on.space, px), *shown.place, m.on.space);
     w.changeMeasurement(m);
   }
   if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) return;
+  if (d = w.measurement(grip_->id); d && shown.place) {
+    measure::Measurement m = d->what;
+    settleGrips(m.shape, *shown.place, m.on.space);
+    w.changeMeasurement(m);
+  }
   w.endDrag();
   grip_.reset();
 }
@@ -192,8 +137,9 @@ void Gui::drawMeasurement(const measure::Measurement& m, const Place& place, Rec
       draw->AddPolyline(points.data(), static_cast<int>(points.size()), shade, 0,
                         shade == kShadow ? thin + theme_.px(2) : thin);
     }
-  for (const measure::Spot& s : measure::handlesOf(m.shape)) {
-    const ImVec2 p = at(s);
+  const std::vector<measure::Spot> handles = measure::handlesOf(m.shape);
+  for (const std::size_t n : gripsOf(m.shape)) {
+    const ImVec2 p = at(handles[n]);
     const float size = theme_.px(3);
     draw->AddRectFilled({p.x - size - 1, p.y - size - 1}, {p.x + size + 1, p.y + size + 1}, kShadow);
     draw->AddRect({p.x - size, p.y - size}, {p.x + size, p.y + size}, c);
@@ -207,26 +153,58 @@ void Gui::drawMeasurement(const measure::Measurement& m, const Place& place, Rec
   draw->AddRectFilled({x - pad, y - pad}, {x + size.x + pad, y + size.y + pad}, IM_COL32(0, 0, 0, 150),
                       theme_.px(3));
   draw->AddText(theme_.small, theme_.small->FontSize, {x, y}, c, label.c_str());
+  labelBox_ = {x - pad, y - pad, size.x + 2 * pad, size.y + 2 * pad};
+}
+
+// Below the label, above it where there is no room: a region on interpolated values may go to stored ones.
+void Gui::offerSnap(const Drawn& d, int t, Rect r) {
+  const char* words = "Snap to acquired slice";
+  const ImVec2 size = theme_.small->CalcTextSizeA(theme_.small->FontSize, 1e6f, 0, words);
+  const float pad = theme_.px(5), gap = theme_.px(3);
+  Rect box{labelBox_.x, labelBox_.y + labelBox_.h + gap, size.x + 2 * pad, size.y + pad};
+  if (box.y + box.h > r.y + r.h) box.y = labelBox_.y - gap - box.h;
+  box.x = std::clamp(box.x, r.x, std::max(r.x, r.x + r.w - box.w));
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const bool under =
+      mouse.x >= box.x && mouse.x < box.x + box.w && mouse.y >= box.y && mouse.y < box.y + box.h;
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  draw->AddRectFilled({box.x, box.y}, {box.x + box.w, box.y + box.h},
+                      under ? colour::kAccent : colour::kAccentDark, theme_.px(3));
+  draw->AddText(theme_.small, theme_.small->FontSize, {box.x + pad, box.y + pad / 2}, colour::kText, words);
+  offer_ = Offer{d.what.id, t, box};
 }
 
 void Gui::measurements(int t, Rect r) {
   tileArea_[static_cast<std::size_t>(t)] = r;
+  if (offer_ && offer_->tile == t) offer_.reset();
   const TileView& shown = desk_.tileView(t);
   const Workspace& w = desk_.workspace();
   const SourceFacts* facts = w.factsOfTile(t);
   if (!shown.place || !shown.picture || !facts) return;
   for (const Drawn& d : w.now().measurements) {
     const SourceFacts* own = w.facts({d.document, d.what.on.source});
-    if (shownOn(d, shown.picture->scene, w.tile(t).source, *shown.place, *facts, own))
-      drawMeasurement(d.what, *shown.place, r, d.what.id == selected_, labelOf(d.what, desk_.said(d)));
+    if (!shownOn(d, shown.picture->scene, w.tile(t).source, *shown.place, *facts, own)) continue;
+    drawMeasurement(d.what, *shown.place, r, d.what.id == selected_, labelOf(d.what, desk_.said(d)));
+    if (d.what.id == selected_ && !ruler_ && w.canSnap(selected_)) offerSnap(d, t, r);
   }
-  if (!sketch_ || sketch_->tile != t || sketch_->spots.empty()) return;
-  // What there is so far, and where the next point would be.
+  sketch(t, r);
+}
+
+// What there is so far, and where the next point would be.
+void Gui::sketch(int t, Rect r) {
+  const TileView& shown = desk_.tileView(t);
+  if (!ruler_ || !sketch_ || sketch_->tile != t || sketch_->spots.empty()) return;
+  if (!standsOn(sketch_->on, sketch_->spots[0], shown.picture->scene, desk_.workspace().tile(t).source,
+                *shown.place))
+    return;
   measure::Measurement m;
   m.on = sketch_->on;
   std::vector<measure::Spot> spots = sketch_->spots;
-  spots.push_back(spotAt(*shown.place, m.on.space, pixelUnderPointer(r)));
-  if (spots.size() == factsOf(*ruler_).points)
+  spots.push_back(spotAt(*shown.place, m.on.space, guided(*shown.place, pixelUnderPointer(r))));
+  const std::size_t points = factsOf(*ruler_).points;
+  if (points == 0 && spots.size() > 2)
+    m.shape = shapeOf(*ruler_, spots);
+  else if (spots.size() == points)
     m.shape = shapeOf(*ruler_, spots);
   else
     m.shape = measure::Length{{spots[0], spots[1]}};

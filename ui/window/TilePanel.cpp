@@ -62,6 +62,7 @@ void Gui::tiles(Rect r) {
   }
   drag();
   dragHandle();
+  dragLens();
   ImGui::End();
 }
 
@@ -199,6 +200,7 @@ void Gui::picture(int t, Rect r) {
   ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(texture), {x, y}, {x + w, y + h});
   compared(t, {x, y, w, h});
   references(t, {x, y, w, h});
+  lenses(t, {x, y, w, h});
   measurements(t, {x, y, w, h});
 }
 
@@ -257,13 +259,14 @@ void Gui::hands(int t, Rect r, bool hovered) {
     wheel_ += io.MouseWheel;
     const int notches = static_cast<int>(wheel_);  // touch pads send parts of a notch
     wheel_ -= static_cast<float>(notches);
+    if (io.KeyCtrl && lensWheel(t, r, notches)) return;
     if (io.KeyShift)
       desk_.stepTime(t, -notches);
     else
       w.scroll(t, -notches);
   }
   if (measureHands(t, r, hovered)) return;
-  if (!hovered || drag_) return;
+  if (!hovered || drag_ || lensHold_) return;
   if (ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
     // The first of the two clicks may have moved the crosshair, which was not meant.
     if (std::exchange(clickMadeStep_, false)) w.undo();
@@ -271,6 +274,7 @@ void Gui::hands(int t, Rect r, bool hovered) {
     w.toggleMaximised(t);
     return;
   }
+  if (lensHands(t, r, hovered)) return;
   for (int button : {ImGuiMouseButton_Left, ImGuiMouseButton_Right, ImGuiMouseButton_Middle})
     if (ImGui::IsMouseClicked(button)) return beginDrag(t, button, r);
 }

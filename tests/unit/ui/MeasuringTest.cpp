@@ -18,10 +18,35 @@ TEST(Measuring, EachRulerTakesItsPointsInOrder) {
   for (const RulerFacts& f : rulers()) {
     EXPECT_TRUE(keys.insert(f.key).second) << f.key << " stands for two tools";
     std::vector<Spot> points;
-    for (std::size_t n = 0; n < f.points; ++n) points.emplace_back(n, 2 * n + 1, 0);
+    for (std::size_t n = 0; n < (f.points > 0 ? f.points : 7); ++n) points.emplace_back(n, 2 * n + 1, 0);
     const measure::Shape s = shapeOf(f.ruler, points);
     EXPECT_EQ(measure::handlesOf(s), points) << f.name;
   }
+}
+
+TEST(Measuring, PointsOfOneMeasurementStandOnOneFrameAndOnePlane) {
+  const SourceFacts facts = test::axialFacts(1, "a");
+  const View view{200, 160};
+  Scene stack = stackScene("a", 7, {});
+  const Place flat = *placeOf(stack, facts, &*facts.grid, view);
+  const auto frame = *placementOn(stack, facts.id, flat);
+  EXPECT_TRUE(standsOn(frame, Spot(3, 4, 0), stack, facts.id, flat));
+  std::get<ImageLayer>(stack.layers[0]).index = 8;
+  EXPECT_FALSE(standsOn(frame, Spot(3, 4, 0), stack, facts.id, flat));
+
+  Scene axial = *presetScene("axial", "a", *facts.grid, {});
+  Place place = *placeOf(axial, facts, &*facts.grid, view);
+  const auto on = *placementOn(axial, facts.id, place);
+  const Spot here = place.patientAt({20, 30}).p;
+  EXPECT_TRUE(standsOn(on, here, axial, facts.id, place));
+  EXPECT_FALSE(standsOn(frame, here, axial, facts.id, place));
+  Scene magnified = axial;
+  magnified.camera.zoom = 3;
+  EXPECT_TRUE(standsOn(on, here, magnified, facts.id, *placeOf(magnified, facts, &*facts.grid, view)));
+  Plane& p = std::get<SliceLayer>(axial.layers[0]).plane;
+  p.point = p.point + 0.01 * p.normal;
+  place = *placeOf(axial, facts, &*facts.grid, view);
+  EXPECT_FALSE(standsOn(on, here, axial, facts.id, place)) << "scrolled away";
 }
 
 TEST(Measuring, APixelOfThePictureIsASpotAndBack) {
