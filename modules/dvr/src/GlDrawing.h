@@ -26,8 +26,9 @@ inline constexpr std::uint64_t kBatchReads = 400000;
 
 // What a part of all rays came to, as it was read back: 4 floats a pixel.
 struct DrawnPart {
-  std::vector<float> seen;   // colour, what is left of light from behind
-  std::vector<float> found;  // mm from the part's entry (-1: nothing), samples, value in texels, cells
+  std::vector<float> seen;    // colour, what is left of light from behind
+  std::vector<float> found;   // mm from the part's entry (-1: nothing), samples, value in texels, cells
+  std::uint64_t samples = 0;  // more than stand in `found`
 };
 
 // The uniforms and textures of one job. The textures live as long as it.
@@ -67,7 +68,6 @@ class PictureMaker {
   PictureMaker(const GlVolumeJob&, const RayParts&);
   void take(std::size_t n, const RayImages&, const DrawnPart&);
   const std::vector<float>& through() const { return through_; }
-  void addSamples(std::uint64_t n) { samples_ += n; }
   void finish(Images&);
 
  private:

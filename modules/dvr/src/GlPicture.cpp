@@ -35,6 +35,7 @@ void PictureMaker::takeExtreme(std::size_t p, const RayImages& rays, const Drawn
 }
 
 void PictureMaker::take(std::size_t n, const RayImages& rays, const DrawnPart& drawn) {
+  samples_ += drawn.samples;
   for (std::size_t p = 0; p < through_.size(); ++p) {
     const native::ToolsOnRay tools = parts_.tools(p);
     if (rays.lattice[4 * p + 2] > 0) {

@@ -8,6 +8,7 @@
 
 #include "DvrTechniques.h"
 #include "GlGradients.h"
+#include "GlParts.h"
 #include "GlSlices.h"
 #include "Outlines.h"
 
@@ -42,26 +43,21 @@ class SlabPainter {
     lastPlane_ = std::floor(all.y / job.step_mm) + 1;
   }
 
-  Result<void> draw(Images& images) {
-    Result<RayParts> parts = RayParts::make(job_, true, stop_);
-    if (!parts) return parts.error();
+  Result<void> draw(const RaysOfPass& pass, Images& images) {
     if (Result<void> r = prepare(); !r) return r;
     Result<SliceTargets> targets = SliceTargets::make(device_, job_);
     if (!targets) return targets.error();
-    PictureMaker picture(job_, *parts);
-    for (std::size_t n = 0; n < parts->count(); ++n) {
-      const RayImages rays = parts->images(n, picture.through());
+    const auto draw = [&](const RayImages& rays) -> Result<DrawnPart> {
       Result<RayTextures> textures = RayTextures::make(device_, job_, rays);
       if (!textures) return textures.error();
-      if (Result<void> r = targets->clear(); !r) return r;
-      if (Result<void> r = drawPart(*targets, *textures); !r) return r;
+      if (Result<void> r = targets->clear(); !r) return r.error();
+      if (Result<void> r = drawPart(*targets, *textures); !r) return r.error();
       Result<DrawnPart> drawn = targets->read();
-      if (!drawn) return drawn.error();
-      picture.take(n, rays, *drawn);
-      picture.addSamples(rays.samples(!job_.iso && !job_.extreme()) * (readsBothEnds() ? 2 : 1));
-    }
-    picture.finish(images);
-    if (job_.outlines) drawOutlines(images);
+      if (drawn) drawn->samples = rays.samples(!job_.iso && !job_.extreme()) * (readsBothEnds() ? 2 : 1);
+      return drawn;
+    };
+    if (Result<void> r = drawParts(job_, true, pass, images, stop_, draw); !r) return r;
+    if (job_.outlines && !images.rays) drawOutlines(images);
     return {};
   }
 
@@ -302,6 +298,7 @@ Result<std::vector<Pass>> passesFor(const SlabKind& kind, const Layer& layer, st
   if (!kind.strips && job.slabSlices == job.volume->grid().slices && !job.shaded())
     chooseOpenClassification(job);
   if (Result<void> r = checkSlabs(job, context.capabilities); !r) return r.error();
+  if (Result<void> r = checkParts(job, context); !r) return r.error();
   job.fixedFunction = job.fixedFunction && !job.shaded();
   const GridGeometry& g = job.volume->grid();
   const std::int64_t slabs = (g.slices - 2) / (job.slabSlices - 1) + 1;
@@ -346,6 +343,7 @@ Technique slabTechnique(Host& host, const SlabKind& kind) {
   t.name = kind.name;
   t.kinds = {"volume", "isosurface"};
   t.engine = Engine::Gl;
+  t.drawsParts = true;
   t.passesFor = [&kind](const Layer& layer, std::size_t index, const PlanContext& context) {
     return passesFor(kind, layer, index, context);
   };
@@ -355,7 +353,8 @@ Technique slabTechnique(Host& host, const SlabKind& kind) {
     Result<gpu::Device*> device = host.glDevice();
     if (!device) return device.error();
     const Counters before = (*device)->counters();
-    if (Result<void> r = SlabPainter(**device, *job, kind, std::move(stop)).draw(images); !r) return r;
+    if (Result<void> r = SlabPainter(**device, *job, kind, std::move(stop)).draw(pass.rays, images); !r)
+      return r;
     addCounters(images.counters, before, (*device)->counters());
     return {};
   };

@@ -8,6 +8,7 @@
 #include "CombinedText.h"
 #include "DvrTechniques.h"
 #include "GlGradients.h"
+#include "GlParts.h"
 #include "Outlines.h"
 #include "StackPainter.h"
 
@@ -35,6 +36,7 @@ Result<std::vector<Pass>> passesFor(const StackKind& kind, const Layer& layer, s
   if (!made) return made.error();
   const GlVolumeJob& job = **made;
   if (Result<void> r = checkStack(job, context.capabilities); !r) return r.error();
+  if (Result<void> r = checkParts(job, context); !r) return r.error();
   if (!kind.corrected && (job.extreme() || job.iso))
     return cannot("Uncorrected polygons are there to be compared with corrected ones, in blended volumes.");
   if (!job.combiner.empty())
@@ -121,6 +123,7 @@ Technique stackTechnique(
   t.name = kind.name;
   t.kinds = std::move(kinds);
   t.engine = Engine::Gl;
+  t.drawsParts = true;
   t.passesFor = std::move(passes);
   t.execute = [&host, kind](const Pass& pass, Images& images, std::stop_token stop) -> Result<void> {
     const auto* job = dynamic_cast<const GlVolumeJob*>(pass.params.get());
@@ -129,7 +132,7 @@ Technique stackTechnique(
     if (!device) return device.error();
     StackKind as = kind;
     if (job->combination) as.perPolygon = slicesPerPolygon(*job->combination);
-    return drawStack(**device, *job, as, images, std::move(stop));
+    return drawStack(**device, *job, as, pass.rays, images, std::move(stop));
   };
   return t;
 }

@@ -6,6 +6,7 @@
 
 #include "CombinedText.h"
 #include "GlGradients.h"
+#include "GlParts.h"
 #include "GlSlices.h"
 #include "Outlines.h"
 
@@ -48,26 +49,21 @@ class StackPainter {
         polygons_(
             stackPolygons(slices_, kind.perPolygon, axis_, job.camera, job.volume->voxelFromPatient())) {}
 
-  Result<void> draw(Images& images) {
-    Result<RayParts> parts = RayParts::make(job_, false, stop_);
-    if (!parts) return parts.error();
+  Result<void> draw(const RaysOfPass& pass, Images& images) {
     if (Result<void> r = prepare(); !r) return r;
     Result<SliceTargets> targets = SliceTargets::make(device_, job_);
     if (!targets) return targets.error();
-    PictureMaker picture(job_, *parts);
-    for (std::size_t n = 0; n < parts->count(); ++n) {
-      const RayImages rays = parts->images(n, picture.through());
+    const auto draw = [&](const RayImages& rays) -> Result<DrawnPart> {
       Result<RayTextures> textures = RayTextures::make(device_, job_, rays);
       if (!textures) return textures.error();
-      if (Result<void> r = targets->clear(); !r) return r;
-      if (Result<void> r = drawPart(*targets, *textures); !r) return r;
+      if (Result<void> r = targets->clear(); !r) return r.error();
+      if (Result<void> r = drawPart(*targets, *textures); !r) return r.error();
       Result<DrawnPart> drawn = targets->read();
-      if (!drawn) return drawn.error();
-      picture.take(n, rays, *drawn);
-      picture.addSamples(slicesMet(rays));
-    }
-    picture.finish(images);
-    if (job_.outlines) drawOutlines(images);
+      if (drawn) drawn->samples = slicesMet(rays);
+      return drawn;
+    };
+    if (Result<void> r = drawParts(job_, false, pass, images, stop_, draw); !r) return r;
+    if (job_.outlines && !images.rays) drawOutlines(images);
     return {};
   }
 
@@ -263,10 +259,10 @@ std::int64_t sizeAlong(const GridGeometry& g, int axis) {
   return axis == 0 ? g.columns : axis == 1 ? g.rows : g.slices;
 }
 
-Result<void> drawStack(gpu::Device& device, const GlVolumeJob& job, const StackKind& kind, Images& images,
-                       std::stop_token stop) {
+Result<void> drawStack(gpu::Device& device, const GlVolumeJob& job, const StackKind& kind,
+                       const RaysOfPass& pass, Images& images, std::stop_token stop) {
   const Counters before = device.counters();
-  if (Result<void> r = StackPainter(device, job, kind, std::move(stop)).draw(images); !r) return r;
+  if (Result<void> r = StackPainter(device, job, kind, std::move(stop)).draw(pass, images); !r) return r;
   addCounters(images.counters, before, device.counters());
   return {};
 }

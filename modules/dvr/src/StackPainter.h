@@ -16,7 +16,8 @@ struct StackKind {
 inline constexpr std::size_t kMostPerPolygon = 4;
 
 std::int64_t sizeAlong(const GridGeometry&, int axis);
-Result<void> drawStack(gpu::Device&, const GlVolumeJob&, const StackKind&, Images&, std::stop_token);
+Result<void> drawStack(gpu::Device&, const GlVolumeJob&, const StackKind&, const RaysOfPass&, Images&,
+                       std::stop_token);
 
 // GlStacks.cpp. What a job of any stack needs of the machine, and its pass; job.summary is set.
 Result<void> checkStack(const GlVolumeJob&, const Capabilities&);

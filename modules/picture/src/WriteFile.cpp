@@ -61,7 +61,8 @@ Result<void> writeFileWhole(const std::string& path, std::span<const std::byte> 
   const mode_t mask = ::umask(0);
   ::umask(mask);
   if (::fchmod(temp.fd, 0666 & ~mask) != 0) return failed(path, reason(errno));
-  if (!writeAll(temp.fd, bytes)) return failed(path, reason(errno));
+  // On the disk before it takes the old one's name: a machine that stops in between keeps one or the other.
+  if (!writeAll(temp.fd, bytes) || ::fsync(temp.fd) != 0) return failed(path, reason(errno));
   const int fd = temp.fd;
   temp.fd = -1;
   if (::close(fd) != 0) return failed(path, reason(errno));
