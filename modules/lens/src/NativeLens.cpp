@@ -12,7 +12,7 @@ namespace {
 
 // Built-in costs of one thread, measured: of a pixel that may meet a lens, for each face that is looked at,
 // and of a part that is joined.
-constexpr double kPixel_ns = 60, kFace_ns = 1.5, kPart_ns = 25;
+constexpr double kPixel_ns = 60, kTogether_ns = 15, kFace_ns = 1.5, kPart_ns = 25;
 
 Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
   if (const auto* join = dynamic_cast<const JoinParams*>(pass.params.get()))
@@ -29,8 +29,8 @@ std::string CutParams::dump() const {
   s += ", facets";
   for (std::size_t n : facets)
     s += " " + std::to_string(n) + (n > native::kAnalyticFacets && !onGl ? " (rasterised)" : "");
-  if (!tools.empty()) s += ", tools " + std::to_string(tools.size());
-  return s;
+  if (!tools.empty() && !together) s += ", tools " + std::to_string(tools.size());
+  return s + (together ? ", drawn in one walk" : "");
 }
 
 std::string JoinParams::dump() const {
@@ -104,20 +104,26 @@ Result<std::vector<Pass>> lensPasses(const PlanContext& context) {
     cut->facets.push_back(l.region->planes.size());
     faces += static_cast<double>(std::min(l.region->planes.size(), native::kAnalyticFacets));
   }
-  auto join = std::make_shared<JoinParams>();
-  join->job = joinJob(*behind, context);
+  cut->together = context.together;
 
   const double pixels = static_cast<double>(context.view.width_px) * context.view.height_px;
   const double threads = std::max(1, context.capabilities.threads);
   const double parts = 0.25 * pixels * static_cast<double>(1 + 2 * context.lenses.size());
-  std::vector<Pass> passes(2);
+  std::vector<Pass> passes(context.together ? 1 : 2);
   passes[0].name = context.lenses.size() == 1
                        ? "rays cut at a lens"
                        : "rays cut at " + std::to_string(context.lenses.size()) + " lenses";
   passes[0].outputs = {"parts of rays"};
-  passes[0].resources = {{"parts of rays", static_cast<std::uint64_t>(parts * sizeof(RaySegment))}};
-  passes[0].predicted_ms = 0.25 * pixels * (kPixel_ns + faces * kFace_ns) * 1e-6 / threads;
+  const double bytes = context.together
+                           ? 0.25 * pixels * static_cast<double>(sizeof(RaySpan) * context.lenses.size())
+                           : parts * sizeof(RaySegment);
+  passes[0].resources = {{"parts of rays", static_cast<std::uint64_t>(bytes)}};
+  passes[0].predicted_ms =
+      0.25 * pixels * ((context.together ? kTogether_ns : kPixel_ns) + faces * kFace_ns) * 1e-6 / threads;
   passes[0].params = std::move(cut);
+  if (context.together) return passes;
+  auto join = std::make_shared<JoinParams>();
+  join->job = joinJob(*behind, context);
   passes[1].name = "parts joined";
   passes[1].inputs = {"parts of rays"};
   passes[1].outputs = {"colour", "depth"};
@@ -130,6 +136,7 @@ Result<void> cutLensRays(const CutParams& cut, const std::vector<native::LensSpa
                          std::stop_token stop) {
   native::LensRaysJob job = cut.job;
   if (!known.empty()) job.known = &known;
+  if (cut.together) return native::markLenses(job, images, stop);
   Result<native::SurfaceHits> hits = native::SurfaceHits{};
   if (!cut.tools.empty()) {
     hits = native::findSurfaces({cut.tools, job.camera, glm::dvec3(0)}, stop);
