@@ -43,35 +43,20 @@ std::string JoinParams::dump() const {
 
 namespace {
 
-// Pairs of the algebra that are not built; "" when all of them are.
-std::string whyNotJoined(const Layer& behind, const PlanContext& context) {
-  bool weakens = false, replaces = false;
-  const auto look = [&](const ProjectionLayer* projection, const ShellsLayer* shells) {
-    weakens = weakens || (projection && projection->mode == ProjectionMode::Attenuation);
-    replaces = replaces ||
-               (shells && shells->mode == ShellsMode::Max && shells->surfaceBlend == SurfaceBlend::Replace);
-  };
-  look(std::get_if<ProjectionLayer>(&behind), std::get_if<ShellsLayer>(&behind));
-  for (const PlacedLens& l : context.lenses) {
-    const LensInner& inner = std::get<LensLayer>(context.scene.layers[l.layer]).inner;
-    look(std::get_if<ProjectionLayer>(&inner), std::get_if<ShellsLayer>(&inner));
-  }
-  const auto translucent = [](const PlacedSurface& s) { return s.opacity > 0 && s.opacity < 1; };
-  const auto opaque = [](const PlacedSurface& s) { return s.opacity >= 1; };
-  if (weakens && std::any_of(context.tools.begin(), context.tools.end(), translucent))
-    return "with a lens, an attenuation among translucent surfaces is not drawn yet; make them opaque";
-  if (replaces && std::any_of(context.tools.begin(), context.tools.end(), opaque))
-    return "with a lens, shells that replace a surface are not drawn yet; set surface_blend to max";
-  return "";
-}
-
 native::JoinJob joinJob(const Layer& behind, const PlanContext& context) {
   native::JoinJob job;
   for (const PlanContext::Appearance& a : context.appearances) job.accumulators.push_back(a.accumulator);
-  job.overBackground.push_back(std::holds_alternative<ProjectionLayer>(behind));
-  for (const PlacedLens& l : context.lenses)
-    job.overBackground.push_back(
-        std::holds_alternative<ProjectionLayer>(std::get<LensLayer>(context.scene.layers[l.layer]).inner));
+  const auto add = [&](const auto& layer) {
+    job.overBackground.push_back(std::holds_alternative<ProjectionLayer>(layer));
+    const auto* shells = std::get_if<ShellsLayer>(&layer);
+    const bool max = shells && shells->mode == ShellsMode::Max;
+    job.replaces.push_back(max && shells->surfaceBlend == SurfaceBlend::Replace);
+    job.least.push_back(max ? shells->beta0 * shells->phi0 *
+                                  glm::dvec3(shells->colour.r, shells->colour.g, shells->colour.b)
+                            : glm::dvec3(0));
+  };
+  add(behind);
+  for (const PlacedLens& l : context.lenses) add(std::get<LensLayer>(context.scene.layers[l.layer]).inner);
   const Rgb& b = context.scene.background;
   job.background = {b.r, b.g, b.b};
   return job;
@@ -89,8 +74,6 @@ Result<std::vector<Pass>> lensPasses(const PlanContext& context) {
   const auto volume = context.sources.volumes.find(*volumeOf(*behind));
   if (volume == context.sources.volumes.end() || !volume->second)
     return makeError(ErrorCode::SceneInvalid, "The volume that the layer names is not loaded.");
-  if (std::string why = whyNotJoined(*behind, context); !why.empty())
-    return makeError(ErrorCode::NoTechnique, std::move(why));
   const GridGeometry& grid = volume->second->grid();
   auto cut = std::make_shared<CutParams>();
   Result<std::vector<HalfSpace>> kept = keptRegion(context.scene, grid);

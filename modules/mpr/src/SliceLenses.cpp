@@ -16,8 +16,8 @@ namespace {
 // them, for the slice cuts a convex polygon out of the region, and these hold its edges.
 std::vector<HalfSpace> facesOnSlice(const ConvexRegion& region, const SlicePicture& picture) {
   const PatientPoint origin = patientAt(picture, {0, 0});
-  const PatientVec normal = normalize(
-      cross(patientAt(picture, {1, 0}) - origin, patientAt(picture, {0, 1}) - origin));
+  const PatientVec normal =
+      normalize(cross(patientAt(picture, {1, 0}) - origin, patientAt(picture, {0, 1}) - origin));
   std::vector<double> height(region.corners.size());
   double farthest = 0;
   for (std::size_t n = 0; n < height.size(); ++n) {
@@ -28,8 +28,8 @@ std::vector<HalfSpace> facesOnSlice(const ConvexRegion& region, const SlicePictu
   const double slack = 1e-9 * (1 + farthest);
   std::vector<bool> met(region.planes.size(), false);
   for (std::size_t n = 0; n < region.triangles.size(); ++n) {
-    const auto [least, most] = std::minmax({height[region.triangles[n][0]], height[region.triangles[n][1]],
-                                            height[region.triangles[n][2]]});
+    const auto [least, most] = std::minmax(
+        {height[region.triangles[n][0]], height[region.triangles[n][1]], height[region.triangles[n][2]]});
     if (least <= slack && most >= -slack) met[region.planeOf[n]] = true;
   }
   std::vector<HalfSpace> out;
@@ -63,7 +63,9 @@ PixelRange insideOf(const std::vector<HalfSpace>& faces, const SlicePicture& pic
     return std::all_of(faces.begin(), faces.end(), [&](const HalfSpace& h) { return h.contains(p); });
   };
   if (!(low <= high + 2)) return {};
-  const auto pixel = [&](double x) { return static_cast<int>(std::clamp(x, -1.0, static_cast<double>(width))); };
+  const auto pixel = [&](double x) {
+    return static_cast<int>(std::clamp(x, -1.0, static_cast<double>(width)));
+  };
   PixelRange out{std::max(pixel(std::floor(low)) - 1, 0), std::min(pixel(std::ceil(high)) + 2, width)};
   while (out.from < out.to && !inside(out.from)) ++out.from;
   while (out.to > out.from && !inside(out.to - 1)) --out.to;

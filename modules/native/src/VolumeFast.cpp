@@ -177,7 +177,7 @@ class March {
     }
     if (v_.shaded) lighting_.apply(v_, GradientAt<T>(v_.read, whole_, place, here, inner_), colour);
     if (cut) opacity = PartOf(opacity, share);
-    Add(k, opacity, colour, opacity, opacity);
+    light_.Add<kLens>(k - steps_.base, opacity, colour, opacity, opacity);
     return true;
   }
 
@@ -244,27 +244,7 @@ class March {
     if (hn::AllFalse(d, active)) return;
     if (v_.shaded) lighting_.apply(v_, GradientAt<T>(v_.read, whole_, r.place, r.here, inner_), colour);
     if (part) opacity = PartOf(opacity, hn::Sub(next, u));
-    Add(k, opacity, colour, u, next);
-  }
-
-  HWY_INLINE void Add(std::int64_t k, V opacity, const V (&colour)[3], V from, V to) {
-    const D d;
-    const V weight = hn::Mul(light_.through, opacity);
-    for (int c = 0; c < 3; ++c) light_.colour[c] = hn::MulAdd(weight, colour[c], light_.colour[c]);
-    const V after = hn::Sub(light_.through, weight), half = hn::Set(d, 0.5f);
-    const M passed = hn::And(hn::Gt(light_.through, half), hn::Le(after, half));
-    if (!hn::AllFalse(d, passed)) {
-      light_.before = hn::IfThenElse(passed, light_.through, light_.before);
-      light_.after = hn::IfThenElse(passed, after, light_.after);
-      if constexpr (kLens) {
-        light_.from = hn::IfThenElse(passed, from, light_.from);
-        light_.to = hn::IfThenElse(passed, to, light_.to);
-      }
-      light_.halfStep =
-          hn::IfThenElse(hn::RebindMask(DI(), passed),
-                         hn::Set(DI(), static_cast<std::int32_t>(k - steps_.base)), light_.halfStep);
-    }
-    light_.through = after;
+    light_.Add<kLens>(k - steps_.base, opacity, colour, u, next);
   }
 
   // Is there a lane with light left whose part goes on behind step k?
@@ -313,45 +293,9 @@ class March {
     });
   }
 
-  HWY_INLINE void LoadLight(const RayLight* lights) {
-    const D d;
-    alignas(64) float f[4][kPacketRays];
-    for (std::size_t l = 0; l < hn::Lanes(d); ++l) {
-      const RayLight& r = lights[static_cast<std::size_t>(lane0_) + l];
-      for (int c = 0; c < 3; ++c) f[c][l] = static_cast<float>(r.colour[c]);
-      f[3][l] = static_cast<float>(r.through);
-    }
-    for (int c = 0; c < 3; ++c) light_.colour[c] = hn::Load(d, f[c]);
-    light_.through = hn::Load(d, f[3]);
-    light_.before = light_.after = hn::Set(d, 1.0f);
-    light_.from = hn::Zero(d), light_.to = hn::Set(d, 1.0f);
-    light_.halfStep = hn::Set(DI(), -1);
-  }
-
+  HWY_INLINE void LoadLight(const RayLight* lights) { light_.Load(lights + lane0_); }
   HWY_INLINE void StoreLight(RayLight* lights) {
-    const D d;
-    alignas(64) float f[6][kPacketRays];
-    alignas(64) std::int32_t half[kPacketRays];
-    for (int c = 0; c < 3; ++c) hn::Store(light_.colour[c], d, f[c]);
-    hn::Store(light_.through, d, f[3]), hn::Store(light_.before, d, f[4]), hn::Store(light_.after, d, f[5]);
-    hn::Store(light_.halfStep, DI(), half);
-    alignas(64) float part[2][kPacketRays];
-    if constexpr (kLens) hn::Store(light_.from, d, part[0]), hn::Store(light_.to, d, part[1]);
-    for (std::size_t l = 0; l < hn::Lanes(d); ++l) {
-      const std::size_t n = static_cast<std::size_t>(lane0_) + l;
-      RayLight& r = lights[n];
-      for (int c = 0; c < 3; ++c) r.colour[c] = static_cast<double>(f[c][l]);
-      r.through = static_cast<double>(f[3][l]);
-      if (half[l] < 0) continue;
-      StepShare s = shareOf(steps_.base + half[l], step_, p_.from_mm[n], p_.to_mm[n]);
-      if constexpr (kLens) {
-        const double begin = static_cast<double>(steps_.base + half[l]);
-        s.from_mm = step_ * (begin + static_cast<double>(part[0][l]));
-        s.to_mm = step_ * (begin + static_cast<double>(part[1][l]));
-      }
-      r.half_mm =
-          RayLight::halfPlace(static_cast<double>(f[4][l]), static_cast<double>(f[5][l]), s.from_mm, s.to_mm);
-    }
+    light_.Store<kLens>(p_, steps_.base, step_, lane0_, lights);
   }
 
   const FastVolume& v_;

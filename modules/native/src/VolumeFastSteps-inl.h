@@ -66,13 +66,74 @@ HWY_INLINE LaneSteps StepsOf(const RayPacket& p, double step, int lane0) {
   return s;
 }
 
-// The state of the lanes: light so far, and where the accumulated opacity passed a half.
+// The state of the lanes: light so far, and where the accumulated opacity passed a half. kLens: steps may be
+// added in parts.
 struct Light {
   V colour[3];
   V through;
   V before, after;  // of the step, or the part of it, that passed the half
-  V from, to;       // with lenses: that part, 0..1
+  V from, to;       // kLens: that part, 0..1
   VI halfStep;      // from LaneSteps::base; -1: not yet
+
+  HWY_INLINE void Load(const RayLight* lights) {
+    const D d;
+    alignas(64) float f[4][kPacketRays];
+    for (std::size_t l = 0; l < hn::Lanes(d); ++l) {
+      for (int c = 0; c < 3; ++c) f[c][l] = static_cast<float>(lights[l].colour[c]);
+      f[3][l] = static_cast<float>(lights[l].through);
+    }
+    for (int c = 0; c < 3; ++c) colour[c] = hn::Load(d, f[c]);
+    through = hn::Load(d, f[3]);
+    before = after = to = hn::Set(d, 1.0f);
+    from = hn::Zero(d);
+    halfStep = hn::Set(DI(), -1);
+  }
+
+  // `part`: where in step k, of LaneSteps::base, it begins and ends; with kLens alone.
+  template <bool kLens>
+  HWY_INLINE void Add(std::int64_t k, V opacity, const V (&shown)[3], V partFrom, V partTo) {
+    const D d;
+    const V weight = hn::Mul(through, opacity);
+    for (int c = 0; c < 3; ++c) colour[c] = hn::MulAdd(weight, shown[c], colour[c]);
+    const V left = hn::Sub(through, weight), half = hn::Set(d, 0.5f);
+    const M passed = hn::And(hn::Gt(through, half), hn::Le(left, half));
+    if (!hn::AllFalse(d, passed)) {
+      before = hn::IfThenElse(passed, through, before);
+      after = hn::IfThenElse(passed, left, after);
+      if constexpr (kLens)
+        from = hn::IfThenElse(passed, partFrom, from), to = hn::IfThenElse(passed, partTo, to);
+      halfStep =
+          hn::IfThenElse(hn::RebindMask(DI(), passed), hn::Set(DI(), static_cast<std::int32_t>(k)), halfStep);
+    }
+    through = left;
+  }
+
+  template <bool kLens>
+  HWY_INLINE void Store(const RayPacket& p, std::int64_t base, double step, int lane0,
+                        RayLight* lights) const {
+    const D d;
+    alignas(64) float f[6][kPacketRays], part[2][kPacketRays];
+    alignas(64) std::int32_t half[kPacketRays];
+    for (int c = 0; c < 3; ++c) hn::Store(colour[c], d, f[c]);
+    hn::Store(through, d, f[3]), hn::Store(before, d, f[4]), hn::Store(after, d, f[5]);
+    hn::Store(halfStep, DI(), half);
+    if constexpr (kLens) hn::Store(from, d, part[0]), hn::Store(to, d, part[1]);
+    for (std::size_t l = 0; l < hn::Lanes(d); ++l) {
+      const std::size_t n = static_cast<std::size_t>(lane0) + l;
+      RayLight& r = lights[n];
+      for (int c = 0; c < 3; ++c) r.colour[c] = static_cast<double>(f[c][l]);
+      r.through = static_cast<double>(f[3][l]);
+      if (half[l] < 0) continue;
+      StepShare s = shareOf(base + half[l], step, p.from_mm[n], p.to_mm[n]);
+      if constexpr (kLens) {
+        const double begin = static_cast<double>(base + half[l]);
+        s.from_mm = step * (begin + static_cast<double>(part[0][l]));
+        s.to_mm = step * (begin + static_cast<double>(part[1][l]));
+      }
+      r.half_mm =
+          RayLight::halfPlace(static_cast<double>(f[4][l]), static_cast<double>(f[5][l]), s.from_mm, s.to_mm);
+    }
+  }
 };
 
 // Opacities of parts of steps: 1 - (1 - A)^share.

@@ -44,6 +44,10 @@ struct JoinJob {
   std::vector<Accumulator> accumulators;  // of each appearance
   // Sum: what the appearance adds up lies over the scene's background (projections), or over black (shells).
   std::vector<bool> overBackground;
+  // Max of shells, of each appearance; absent: black, and no. What is shown at least where no tool ends the
+  // ray (beta0 phi0), and whether an opaque tool is not seen behind what has been gathered.
+  std::vector<glm::dvec3> least;
+  std::vector<bool> replaces;
   glm::dvec3 background{0};
 };
 // Writes colour and depth of the pixels that meet a lens, and takes images.rays away.

@@ -12,13 +12,17 @@
 //
 // Joining (Accumulator): ordered parts and tools go front to back, C += T c, T *= t. Commuting ones have been
 // gathered by their pass over all parts of their appearance on the ray, each weighted by what the tools
-// before it let through, and stand in the first of them. They are the background of the ordered ones:
+// before it let through, and stand in the first of them; of Attenuation each part says what it lets through,
+// unweighted, and what reaches the eye of a tool is weakened by the parts before it. They are the background
+// of the ordered ones:
 //   C + S * K, S the product of t over ordered parts alone, K of the gathered ones with E, what ends the ray
 //   (an opaque tool's colour, else 0), after W, what all tools let through:
-//   Max: max(all, W E) in each channel; Min: max(least of all, W E); Mean and other mixtures: the last in the
-//   scene's order, max(that, W E); Sum: sum of all + W E (E the background without a tool);
+//   Max: max(all, W E) in each channel, without a tool max(all, W times the least of shells); where shells
+//   that replace an opaque tool are covered, E = 0; Min: max(least of all, W E); Mean and other mixtures: the
+//   last in the scene's order, max(that, W E); Sum: sum of all + W E (E the background without a tool);
 //   Attenuation: product of all times W E (E = 1 without a tool).
-// Without any covered: C + T E, E the scene's background without a tool.
+// Without any covered: C + T E, E the scene's background without a tool, or the least of shells outside where
+// that is brighter.
 //
 // Appearances drawn together (RaysOfPass::Together): where all of them are ordered and one pass can draw
 // them in one walk along each ray, rays are not cut into parts. That pass is told where the lines of all
