@@ -9,7 +9,13 @@ work=${3:-out/bench}
 vernier=$build/bin/vernier
 here=$(dirname "$0")
 mkdir -p "$work"
-if [ -n "$peer" ]; then exec python3 "$here/peers.py" "$vernier" "$peer" "$work"; fi
+cmake --build "$build" --target vernier_bench_lens >/dev/null
+if [ -n "$peer" ]; then
+  python3 "$here/peers.py" "$vernier" "$peer" "$work"
+  exec python3 "$here/lens_table.py" "$build/bench/vernier_bench_lens" --peer "$peer/vtk_peers" --work "$work"
+fi
+python3 "$here/lens_table.py" "$build/bench/vernier_bench_lens"
+"$build/bench/vernier_bench_lens" move
 [ -d "$work/ct-head" ] || "$vernier" phantom ct-head --out "$work"
 for engine in native gl; do
   for view in stack axial coronal sagittal oblique slab; do

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // projection.native and projection.exact: the rays of module native, with the tools that stand among them.
 #include <algorithm>
+#include <optional>
+#include <span>
 
 #include "AngiographyTechniques.h"
 #include "ProjectionParams.h"
@@ -71,7 +73,10 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop, Der
   if (!bounds) return bounds.error();
   native::ProjectionJob job = p->job;
   job.bounds = bounds->get();
-  job.rays = pass.rays;
+  if (pass.rays.which == RaysOfPass::Which::Together)
+    images.rays.reset();
+  else
+    job.rays = pass.rays;
   native::SurfaceHits tools;
   if (!p->tools.empty() && pass.rays.drawsPlainRays()) {
     Result<native::SurfaceHits> found = toolsOf(*p, images, stop);
@@ -85,12 +90,32 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop, Der
   return native::drawProjection(job, images, stop);
 }
 
+bool looksAlike(const native::ProjectionJob& a, const native::ProjectionJob& b) {
+  return a.volume == b.volume && a.mode == b.mode && a.interpolation == b.interpolation &&
+         a.window == b.window && a.invert == b.invert && a.cue == b.cue && a.gain_perMm == b.gain_perMm &&
+         a.step_mm == b.step_mm && a.exact == b.exact;
+}
+
+// Lenses that show what stands around them: the plain picture. A mean is of the whole ray then.
+std::optional<Pass> together(std::span<const Pass* const> passes) {
+  const auto paramsOf = [](const Pass* p) {
+    return p ? dynamic_cast<const ProjectionParams*>(p->params.get()) : nullptr;
+  };
+  const ProjectionParams* const outside = paramsOf(passes.front());
+  for (const Pass* pass : passes.subspan(1)) {
+    const ProjectionParams* const inside = paramsOf(pass);
+    if (!outside || !inside || !looksAlike(outside->job, inside->job)) return std::nullopt;
+  }
+  return *passes.front();
+}
+
 Technique projection(Host& host, const char* name, bool exact) {
   Technique t;
   t.name = name;
   t.kinds = {"projection"};
   t.engine = Engine::Native;
   t.drawsParts = true;
+  t.together = together;
   t.passesFor = [exact](const Layer& l, std::size_t i, const PlanContext& c) {
     return passesFor(exact, l, i, c);
   };

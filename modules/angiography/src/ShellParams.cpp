@@ -52,6 +52,43 @@ Result<std::vector<double>> levelsOf(const ShellsLayer& layer, const Volume& vol
   return **kept;
 }
 
+// Those that are drawn.
+Result<std::vector<double>> enabledLevels(const ShellsLayer& layer, const Volume& volume, ShellStore& store) {
+  Result<std::vector<double>> levels = levelsOf(layer, volume, store);
+  if (!levels) return levels;
+  std::vector<double> enabled;
+  for (std::size_t n = 0; n < levels->size(); ++n)
+    if (std::find(layer.disabled.begin(), layer.disabled.end(), static_cast<int>(n)) == layer.disabled.end())
+      enabled.push_back((*levels)[n]);
+  return enabled;
+}
+
+ShellsLayer withWindow(ShellsLayer layer, const Volume& volume) {
+  layer.window = normalised(layer.window.value_or(wholeRange(volume)));
+  return layer;
+}
+
+// Which appearances of a picture with lenses show the level sets that the layer has: closed surfaces, or what
+// is lit of them.
+std::vector<bool> goingOn(const ShellsLayer& layer, const std::vector<double>& levels, const Volume& volume,
+                          const PlanContext& context, ShellStore& store) {
+  std::vector<bool> out;
+  const auto add = [&](const auto& shown) {
+    const auto* other = std::get_if<ShellsLayer>(&shown);
+    if (!other || (other->mode == ShellsMode::Lit) != (layer.mode == ShellsMode::Lit) ||
+        other->source != layer.source)
+      return out.push_back(false);
+    const Result<std::vector<double>> theirs = enabledLevels(withWindow(*other, volume), volume, store);
+    out.push_back(theirs && *theirs == levels);
+  };
+  const auto& layers = context.scene.layers;
+  const auto behind = std::find_if(layers.begin(), layers.end(), looksThroughVolume);
+  if (context.lenses.empty() || behind == layers.end()) return out;
+  add(*behind);
+  for (const PlacedLens& l : context.lenses) add(std::get<LensLayer>(layers[l.layer]).inner);
+  return out;
+}
+
 std::uint64_t estimateOf(const std::vector<double>& levels, const Volume& volume, ShellStore& store) {
   using Estimate = std::uint64_t;
   std::string name;
@@ -135,8 +172,6 @@ Result<std::shared_ptr<const ShellParams>> shellParams(const Layer& any, std::si
   job.background = {context.scene.background.r, context.scene.background.g, context.scene.background.b};
   job.tools = context.tools;
   for (const PlacedLens& lens : context.lenses) job.lenses.push_back(lens.region);
-  // Parts of rays are joined so; the rays beside them must not differ.
-  if (!job.lenses.empty()) job.surfaceBlend = SurfaceBlend::Max;
   std::vector<double> enabled;
   for (std::size_t n = 0; n < levels->size(); ++n) {
     if (std::find(layer.disabled.begin(), layer.disabled.end(), static_cast<int>(n)) != layer.disabled.end())
@@ -144,6 +179,7 @@ Result<std::shared_ptr<const ShellParams>> shellParams(const Layer& any, std::si
     enabled.push_back((*levels)[n]);
     job.shells.push_back({(*levels)[n], applyVoi(*layer.window, (*levels)[n]), nullptr});
   }
+  job.goesOn = goingOn(layer, enabled, volume, context, store);
   p->levels = levels->size();
   p->working_bytes = isoWorkingBytes(volume.grid(), context.capabilities.threads);
   p->triangles = estimateOf(enabled, volume, store);
@@ -209,8 +245,6 @@ Pass shellPass(const std::shared_ptr<const ShellParams>& p, std::size_t index) {
   if (p->job.shells.size() < p->levels)
     pass.notes.push_back(std::to_string(p->levels - p->job.shells.size()) + " of " +
                          std::to_string(p->levels) + " levels are disabled");
-  if (!p->job.lenses.empty() && !p->job.tools.empty() && p->job.mode == ShellsMode::Max)
-    pass.notes.push_back("in a picture with lenses a tool behind shells is seen where it is brighter");
   noteOutside(p->job, pass.notes);
   pass.params = p;
   return pass;

@@ -61,6 +61,7 @@ std::shared_ptr<const void> DerivedCache::find(const Key& key) {
 std::shared_ptr<const void> DerivedCache::insert(const Key& key, std::shared_ptr<const void> value,
                                                  std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
+  ++made_;
   if (const auto it = index_.find(key); it != index_.end())
     return it->second->value;  // another thread was first
   entries_.push_front({key, value, bytes});
@@ -73,6 +74,11 @@ std::shared_ptr<const void> DerivedCache::insert(const Key& key, std::shared_ptr
     entries_.pop_back();
   }
   return value;
+}
+
+std::uint64_t DerivedCache::made() const {
+  const std::lock_guard lock(mutex_);
+  return made_;
 }
 
 std::uint64_t DerivedCache::bytes() const {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ChooseClassification.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "vernier/base/Random.h"
 
@@ -41,9 +43,7 @@ Local localAt(const Volume& v, std::uint64_t place) {
   return out;
 }
 
-}  // namespace
-
-double steepness(const Volume& v, const TransferFunction& f, double step_mm) {
+double measured(const Volume& v, const TransferFunction& f, double step_mm) {
   const double lengths = step_mm / f.opacityLength_mm;
   const auto opacity = [&](double value) { return opacityOver(opacityAt(f, value), lengths); };
   double squares = 0, count = 0;
@@ -58,6 +58,30 @@ double steepness(const Volume& v, const TransferFunction& f, double step_mm) {
     squares += (mean - middle) * (mean - middle), ++count;
   }
   return count > 0 ? std::sqrt(squares / count) : 0;
+}
+
+struct Known {
+  Revision volume = 0;
+  TransferFunction function;
+  double step_mm = 0, steepness = 0;
+};
+constexpr std::size_t kMostKnown = 16;
+
+}  // namespace
+
+double steepness(const Volume& v, const TransferFunction& f, double step_mm) {
+  // A scene is planned anew for whatever moves in it, and its layers ask the same again.
+  thread_local std::vector<Known> known;
+  const auto found = std::find_if(known.begin(), known.end(), [&](const Known& k) {
+    return k.volume == v.revision() && k.step_mm == step_mm && k.function == f;
+  });
+  if (found != known.end()) {
+    std::rotate(known.begin(), found, found + 1);
+    return known.front().steepness;
+  }
+  if (known.size() == kMostKnown) known.pop_back();
+  known.insert(known.begin(), Known{v.revision(), f, step_mm, measured(v, f, step_mm)});
+  return known.front().steepness;
 }
 
 }  // namespace vernier::dvr

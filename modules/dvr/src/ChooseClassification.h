@@ -16,7 +16,8 @@ namespace vernier::dvr {
 
 inline constexpr double kSteep = 0.05;
 
-// The root mean square, 0..1. Grey volumes; pure, some hundred microseconds.
+// The root mean square, 0..1. Grey volumes; pure, a millisecond or two, and nothing when it is asked again on
+// the same thread.
 double steepness(const Volume&, const TransferFunction&, double step_mm);
 
 inline Classification chooseClassification(const Volume& v, const TransferFunction& f, double step_mm) {

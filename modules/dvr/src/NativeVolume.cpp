@@ -21,6 +21,8 @@ struct VolumeParams final : PassParams {
   NativeLook look;
   native::VolumeRenderJob job;  // without tables, bricks and tools
   TransferFunction function;    // of grey volumes
+  // Drawn together with it: what lenses show, null for nothing.
+  std::vector<std::shared_ptr<const VolumeParams>> insides;
   std::string dump() const override;
 };
 
@@ -40,7 +42,9 @@ std::string VolumeParams::dump() const {
   if (job.interpolation == Interpolation::Nearest) s += ", nearest";
   s += models[static_cast<std::size_t>(job.shading)];
   if (job.shading != ShadingModel::None) s += look.dumpLights();
-  return s + look.dumpCuts();
+  s += look.dumpCuts();
+  if (!insides.empty()) s += ", with lenses " + std::to_string(insides.size());
+  return s;
 }
 
 Error cannot(std::string why) { return makeError(ErrorCode::NoTechnique, std::move(why)); }
@@ -148,6 +152,35 @@ Result<std::vector<Pass>> passesFor(const Layer& layer, std::size_t index, const
   return std::vector<Pass>{std::move(pass)};
 }
 
+// Whether both differ in their transfer functions alone.
+bool drawnAlike(const native::VolumeRenderJob& a, const native::VolumeRenderJob& b) {
+  const bool lit = a.shading != ShadingModel::None;
+  return a.volume == b.volume && a.mode == b.mode && a.classification == b.classification &&
+         a.opacity == b.opacity && a.interpolation == b.interpolation && a.shading == b.shading &&
+         (!lit || a.material == b.material) && a.step_mm == b.step_mm && a.leastLight == b.leastLight;
+}
+
+std::optional<Pass> together(std::span<const Pass* const> passes) {
+  if (passes.size() > native::kMostInsides + 1) return std::nullopt;
+  const auto paramsOfPass = [](const Pass* p) {
+    return p ? std::dynamic_pointer_cast<const VolumeParams>(p->params) : nullptr;
+  };
+  const std::shared_ptr<const VolumeParams> outside = paramsOfPass(passes.front());
+  if (!outside || outside->look.volume->isColour() || outside->job.mode != VolumeMode::Blend)
+    return std::nullopt;
+  auto all = std::make_shared<VolumeParams>(*outside);
+  all->job.function = &all->function;
+  Pass out = *passes.front();
+  for (const Pass* pass : passes.subspan(1)) {
+    const std::shared_ptr<const VolumeParams> inside = paramsOfPass(pass);
+    if (pass && (!inside || !drawnAlike(outside->job, inside->job))) return std::nullopt;
+    if (pass) out.predictedError = std::max(out.predictedError, pass->predictedError);
+    all->insides.push_back(inside);
+  }
+  out.params = std::move(all);
+  return out;
+}
+
 // What is made of a transfer function for a volume and a step.
 struct Tables {
   std::optional<TransferTable> post;
@@ -208,6 +241,17 @@ Result<void> execute(const Pass& pass, Images& images, std::stop_token stop, Der
     job.preIntegrated = tables->preIntegrated ? &*tables->preIntegrated : nullptr;
     job.visible = tables->visible.get();
   }
+  std::vector<std::shared_ptr<const Tables>> kept;
+  for (const auto& inside : p->insides) {
+    job.insides.emplace_back();
+    if (!inside) continue;
+    Result<std::shared_ptr<const Tables>> made = tablesOf(*inside, job.bounds, cache);
+    if (!made) return made.error();
+    const Tables& t = **made;
+    job.insides.back() = {t.visible.get(), &inside->function, t.post ? &*t.post : nullptr,
+                          t.preIntegrated ? &*t.preIntegrated : nullptr};
+    kept.push_back(*std::move(made));
+  }
   Result<native::SurfaceHits> hits = native::SurfaceHits{};
   if (job.rays.drawsPlainRays() && !p->look.tools.empty()) {
     hits = p->look.findTools(images, stop);
@@ -226,6 +270,7 @@ Technique nativeVolumeTechnique(Host& host) {
   t.kinds = {"volume"};
   t.engine = Engine::Native;
   t.drawsParts = true;
+  t.together = together;
   t.passesFor = passesFor;
   t.execute = [&host](const Pass& p, Images& i, std::stop_token s) {
     return execute(p, i, s, host.derivedData());

@@ -14,6 +14,7 @@ struct CutParams final : PassParams {
   std::vector<PlacedSurface> tools;
   std::vector<std::size_t> facets;
   bool onGl = false;
+  bool together = false;  // RayIntervals::lenses, no parts
   std::string dump() const override;
 };
 
@@ -22,7 +23,8 @@ struct JoinParams final : PassParams {
   std::string dump() const override;
 };
 
-// The pass that cuts rays and the one that joins their parts, as native draws them. SceneInvalid,
+// The pass that cuts rays and the one that joins their parts, as native draws them; the first alone where all
+// is drawn together. SceneInvalid,
 // GeometryRefused with the sentence.
 Result<std::vector<Pass>> lensPasses(const PlanContext&);
 // Cuts rays at lenses and tools; joins parts.

@@ -12,7 +12,7 @@ namespace {
 
 // Built-in costs of one thread, measured: of a pixel that may meet a lens, for each face that is looked at,
 // and of a part that is joined.
-constexpr double kPixel_ns = 60, kFace_ns = 1.5, kPart_ns = 25;
+constexpr double kPixel_ns = 60, kTogether_ns = 15, kFace_ns = 1.5, kPart_ns = 25;
 
 Result<void> execute(const Pass& pass, Images& images, std::stop_token stop) {
   if (const auto* join = dynamic_cast<const JoinParams*>(pass.params.get()))
@@ -29,8 +29,8 @@ std::string CutParams::dump() const {
   s += ", facets";
   for (std::size_t n : facets)
     s += " " + std::to_string(n) + (n > native::kAnalyticFacets && !onGl ? " (rasterised)" : "");
-  if (!tools.empty()) s += ", tools " + std::to_string(tools.size());
-  return s;
+  if (!tools.empty() && !together) s += ", tools " + std::to_string(tools.size());
+  return s + (together ? ", drawn in one walk" : "");
 }
 
 std::string JoinParams::dump() const {
@@ -43,35 +43,20 @@ std::string JoinParams::dump() const {
 
 namespace {
 
-// Pairs of the algebra that are not built; "" when all of them are.
-std::string whyNotJoined(const Layer& behind, const PlanContext& context) {
-  bool weakens = false, replaces = false;
-  const auto look = [&](const ProjectionLayer* projection, const ShellsLayer* shells) {
-    weakens = weakens || (projection && projection->mode == ProjectionMode::Attenuation);
-    replaces = replaces ||
-               (shells && shells->mode == ShellsMode::Max && shells->surfaceBlend == SurfaceBlend::Replace);
-  };
-  look(std::get_if<ProjectionLayer>(&behind), std::get_if<ShellsLayer>(&behind));
-  for (const PlacedLens& l : context.lenses) {
-    const LensInner& inner = std::get<LensLayer>(context.scene.layers[l.layer]).inner;
-    look(std::get_if<ProjectionLayer>(&inner), std::get_if<ShellsLayer>(&inner));
-  }
-  const auto translucent = [](const PlacedSurface& s) { return s.opacity > 0 && s.opacity < 1; };
-  const auto opaque = [](const PlacedSurface& s) { return s.opacity >= 1; };
-  if (weakens && std::any_of(context.tools.begin(), context.tools.end(), translucent))
-    return "with a lens, an attenuation among translucent surfaces is not drawn yet; make them opaque";
-  if (replaces && std::any_of(context.tools.begin(), context.tools.end(), opaque))
-    return "with a lens, shells that replace a surface are not drawn yet; set surface_blend to max";
-  return "";
-}
-
 native::JoinJob joinJob(const Layer& behind, const PlanContext& context) {
   native::JoinJob job;
   for (const PlanContext::Appearance& a : context.appearances) job.accumulators.push_back(a.accumulator);
-  job.overBackground.push_back(std::holds_alternative<ProjectionLayer>(behind));
-  for (const PlacedLens& l : context.lenses)
-    job.overBackground.push_back(
-        std::holds_alternative<ProjectionLayer>(std::get<LensLayer>(context.scene.layers[l.layer]).inner));
+  const auto add = [&](const auto& layer) {
+    job.overBackground.push_back(std::holds_alternative<ProjectionLayer>(layer));
+    const auto* shells = std::get_if<ShellsLayer>(&layer);
+    const bool max = shells && shells->mode == ShellsMode::Max;
+    job.replaces.push_back(max && shells->surfaceBlend == SurfaceBlend::Replace);
+    job.least.push_back(max ? shells->beta0 * shells->phi0 *
+                                  glm::dvec3(shells->colour.r, shells->colour.g, shells->colour.b)
+                            : glm::dvec3(0));
+  };
+  add(behind);
+  for (const PlacedLens& l : context.lenses) add(std::get<LensLayer>(context.scene.layers[l.layer]).inner);
   const Rgb& b = context.scene.background;
   job.background = {b.r, b.g, b.b};
   return job;
@@ -89,8 +74,6 @@ Result<std::vector<Pass>> lensPasses(const PlanContext& context) {
   const auto volume = context.sources.volumes.find(*volumeOf(*behind));
   if (volume == context.sources.volumes.end() || !volume->second)
     return makeError(ErrorCode::SceneInvalid, "The volume that the layer names is not loaded.");
-  if (std::string why = whyNotJoined(*behind, context); !why.empty())
-    return makeError(ErrorCode::NoTechnique, std::move(why));
   const GridGeometry& grid = volume->second->grid();
   auto cut = std::make_shared<CutParams>();
   Result<std::vector<HalfSpace>> kept = keptRegion(context.scene, grid);
@@ -104,20 +87,26 @@ Result<std::vector<Pass>> lensPasses(const PlanContext& context) {
     cut->facets.push_back(l.region->planes.size());
     faces += static_cast<double>(std::min(l.region->planes.size(), native::kAnalyticFacets));
   }
-  auto join = std::make_shared<JoinParams>();
-  join->job = joinJob(*behind, context);
+  cut->together = context.together;
 
   const double pixels = static_cast<double>(context.view.width_px) * context.view.height_px;
   const double threads = std::max(1, context.capabilities.threads);
   const double parts = 0.25 * pixels * static_cast<double>(1 + 2 * context.lenses.size());
-  std::vector<Pass> passes(2);
+  std::vector<Pass> passes(context.together ? 1 : 2);
   passes[0].name = context.lenses.size() == 1
                        ? "rays cut at a lens"
                        : "rays cut at " + std::to_string(context.lenses.size()) + " lenses";
   passes[0].outputs = {"parts of rays"};
-  passes[0].resources = {{"parts of rays", static_cast<std::uint64_t>(parts * sizeof(RaySegment))}};
-  passes[0].predicted_ms = 0.25 * pixels * (kPixel_ns + faces * kFace_ns) * 1e-6 / threads;
+  const double bytes = context.together
+                           ? 0.25 * pixels * static_cast<double>(sizeof(RaySpan) * context.lenses.size())
+                           : parts * sizeof(RaySegment);
+  passes[0].resources = {{"parts of rays", static_cast<std::uint64_t>(bytes)}};
+  passes[0].predicted_ms =
+      0.25 * pixels * ((context.together ? kTogether_ns : kPixel_ns) + faces * kFace_ns) * 1e-6 / threads;
   passes[0].params = std::move(cut);
+  if (context.together) return passes;
+  auto join = std::make_shared<JoinParams>();
+  join->job = joinJob(*behind, context);
   passes[1].name = "parts joined";
   passes[1].inputs = {"parts of rays"};
   passes[1].outputs = {"colour", "depth"};
@@ -130,6 +119,7 @@ Result<void> cutLensRays(const CutParams& cut, const std::vector<native::LensSpa
                          std::stop_token stop) {
   native::LensRaysJob job = cut.job;
   if (!known.empty()) job.known = &known;
+  if (cut.together) return native::markLenses(job, images, stop);
   Result<native::SurfaceHits> hits = native::SurfaceHits{};
   if (!cut.tools.empty()) {
     hits = native::findSurfaces({cut.tools, job.camera, glm::dvec3(0)}, stop);

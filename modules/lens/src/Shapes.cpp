@@ -40,8 +40,8 @@ std::uint64_t digest(std::span<const MeshPoint> points) {
 }
 
 struct PointsSolid {
-  std::vector<MeshPoint> points;
-  Solid solid;
+  SharedPoints points;
+  std::shared_ptr<const Solid> solid;
 };
 
 Region regionOf(const BoxShape& b, const PatientFromMesh& pose, const Sources&, DerivedCache&) {
@@ -65,21 +65,41 @@ Region regionOf(const ConeShape& c, const PatientFromMesh& pose, const Sources&,
   return share(placed(*s, pose));
 }
 
+using Kept = Result<std::shared_ptr<const PointsSolid>>;
+
+// By what the points are.
+Kept hullByValue(const SharedPoints& points, DerivedCache& cache) {
+  const auto make = [&]() -> Result<DerivedCache::Made<PointsSolid>> {
+    Result<Solid> s = hullSolid(points);
+    if (!s) return s.error();
+    const std::uint64_t bytes = s->bytes() + points.size() * sizeof(MeshPoint);
+    return DerivedCache::Made<PointsSolid>{std::make_shared<const PointsSolid>(PointsSolid{
+                                               points, std::make_shared<const Solid>(*std::move(s))}),
+                                           bytes};
+  };
+  const Kept kept = cache.get<PointsSolid>({"lens hull", 0, std::to_string(digest(points))}, make);
+  if (!kept || (*kept)->points == points) return kept;
+  Result<DerivedCache::Made<PointsSolid>> own = make();  // another set with the same digest
+  if (!own) return own.error();
+  return own->value;
+}
+
+// By which list they are, so that a lens that moves costs no look at its points. What is kept holds its list:
+// no other one has the same place meanwhile.
 Region regionOf(const HullShape& h, const PatientFromMesh& pose, const Sources&, DerivedCache& cache) {
   const auto make = [&]() -> Result<DerivedCache::Made<PointsSolid>> {
-    Result<Solid> s = hullSolid(h.points);
-    if (!s) return s.error();
-    const std::uint64_t bytes = s->bytes() + h.points.size() * sizeof(MeshPoint);
+    const Kept value = hullByValue(h.points, cache);
+    if (!value) return value.error();
+    const bool same = (*value)->points.isSame(h.points);
     return DerivedCache::Made<PointsSolid>{
-        std::make_shared<const PointsSolid>(PointsSolid{h.points, *std::move(s)}), bytes};
+        std::make_shared<const PointsSolid>(PointsSolid{h.points, (*value)->solid}),
+        sizeof(PointsSolid) + (same ? 0 : h.points.size() * sizeof(MeshPoint))};
   };
-  const Result<std::shared_ptr<const PointsSolid>> kept =
-      cache.get<PointsSolid>({"lens hull", 0, std::to_string(digest(h.points))}, make);
+  const std::string which = std::to_string(reinterpret_cast<std::uintptr_t>(h.points.identity()));
+  Kept kept = cache.get<PointsSolid>({"lens points", 0, which}, make);
+  if (kept && !(*kept)->points.isSame(h.points)) kept = hullByValue(h.points, cache);
   if (!kept) return kept.error();
-  if ((*kept)->points == h.points) return share(placed((*kept)->solid, pose));
-  const Result<Solid> own = hullSolid(h.points);  // another set with the same digest
-  if (!own) return own.error();
-  return share(placed(*own, pose));
+  return share(placed(*(*kept)->solid, pose));
 }
 
 Region regionOf(const MeshShape& m, const PatientFromMesh& pose, const Sources& sources,

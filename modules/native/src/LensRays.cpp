@@ -16,19 +16,26 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr RaySpan kMiss{kInfinite, -kInfinite};
 
-RaySpan throughAllFaces(const ConvexRegion& lens, const PatientRay& ray) {
-  double entry = -kInfinite, exit = kInfinite;
-  for (const HalfSpace& h : lens.planes) {
-    const double along = glm::dot(h.normal.v, ray.direction.v), before = -h.distance_mm(ray.origin);
-    if (along < 0)
-      entry = std::max(entry, before / along);
-    else if (along > 0)
-      exit = std::min(exit, before / along);
-    else if (before < 0)
-      return kMiss;
+// Where the plane of a face stands on the line of a pixel: depth along forward = (at0 + x atX + y atY) /
+// (along0 + x alongX + y alongY), pixels from the picture's first corner; the lower part is negative where
+// lines enter through the face.
+struct FaceDepth {
+  double at0 = 0, atX = 0, atY = 0, along0 = 0, alongX = 0, alongY = 0;
+
+  FaceDepth(const HalfSpace& h, const CameraPicture& c) {
+    const PatientVec corner = c.across(0, 0);
+    const double x = glm::dot(h.normal.v, c.right.v) * c.pixelStep,
+                 y = -glm::dot(h.normal.v, c.up.v) * c.pixelStep;
+    const double before = -h.distance_mm(c.eye), forward = glm::dot(h.normal.v, c.forward.v),
+                 first = glm::dot(h.normal.v, corner.v);
+    if (c.projection == Projection::Orthographic)
+      at0 = before - first, atX = -x, atY = -y, along0 = forward;
+    else
+      at0 = before, along0 = forward + first, alongX = x, alongY = y;
   }
-  return entry <= exit ? RaySpan{entry, exit} : kMiss;
-}
+  double at(double x, double y) const { return at0 + x * atX + y * atY; }
+  double along(double x, double y) const { return along0 + x * alongX + y * alongY; }
+};
 
 std::vector<glm::dvec4> projected(const ConvexRegion& lens, const CameraPicture& camera) {
   const glm::dmat4 pixel = camera.pixelFromPatient();
@@ -61,7 +68,7 @@ PixelBox boxOf(const Points& points, const CameraPicture& camera) {
 struct Facet {
   EdgeLine edges[3];
   PixelBox box;
-  std::uint32_t plane;
+  FaceDepth depth;
 };
 
 std::vector<Facet> facetsOf(const ConvexRegion& lens, const CameraPicture& camera,
@@ -71,23 +78,25 @@ std::vector<Facet> facetsOf(const ConvexRegion& lens, const CameraPicture& camer
   for (std::size_t n = 0; n < lens.triangles.size(); ++n) {
     const auto& t = lens.triangles[n];
     const std::array<glm::dvec4, 3> p{corners[t[0]], corners[t[1]], corners[t[2]]};
-    Facet f;
+    Facet f{{}, boxOf(p, camera), FaceDepth(lens.planes[lens.planeOf[n]], camera)};
+    if (f.box.x0 >= f.box.x1 || f.box.y0 >= f.box.y1) continue;
     for (std::size_t i = 0; i < 3; ++i) f.edges[i] = edgeThrough(p[i], p[(i + 1) % 3], t[i] < t[(i + 1) % 3]);
-    f.box = boxOf(p, camera);
-    f.plane = lens.planeOf[n];
-    if (f.box.x0 < f.box.x1 && f.box.y0 < f.box.y1) out.push_back(f);
+    out.push_back(f);
   }
   return out;
 }
 
-// One of the two faces on a pixel's line.
-void meet(const ConvexRegion& lens, std::uint32_t plane, const PatientRay& ray, RaySpan& span) {
-  const HalfSpace& h = lens.planes[plane];
-  const double along = glm::dot(h.normal.v, ray.direction.v), before = -h.distance_mm(ray.origin);
-  if (along < 0)
-    span.entry_mm = before / along;
-  else if (along > 0)
-    span.exit_mm = before / along;
+// From depths to distances along the pixels' rays, for one row of the box.
+void toDistances(const CameraPicture& camera, int row, LensSpans& out) {
+  if (camera.projection == Projection::Orthographic) return;
+  const std::size_t width = static_cast<std::size_t>(out.x1 - out.x0);
+  RaySpan* const spans = out.spans.data() + static_cast<std::size_t>(row - out.y0) * width;
+  const double v = (0.5 * camera.height_px - (row + 0.5)) * camera.pixelStep;
+  for (std::size_t n = 0; n < width; ++n) {
+    const double u = (out.x0 + static_cast<double>(n) + 0.5 - 0.5 * camera.width_px) * camera.pixelStep;
+    const double perDepth = std::sqrt(1 + u * u + v * v);
+    spans[n].entry_mm *= perDepth, spans[n].exit_mm *= perDepth;
+  }
 }
 
 void rasterise(const ConvexRegion& lens, const CameraPicture& camera, const std::vector<glm::dvec4>& corners,
@@ -107,11 +116,39 @@ void rasterise(const ConvexRegion& lens, const CameraPicture& camera, const std:
           for (int y = y0; y < y1; ++y)
             for (std::uint64_t bits = rows[y - y0]; bits; bits &= bits - 1) {
               const int x = x0 + std::countr_zero(bits);
-              meet(lens, f.plane, camera.ray(x + 0.5, y + 0.5),
-                   out.spans[static_cast<std::size_t>((y - out.y0) * width + x - out.x0)]);
+              const double along = f.depth.along(x + 0.5, y + 0.5);
+              if (along == 0) continue;
+              RaySpan& span = out.spans[static_cast<std::size_t>((y - out.y0) * width + x - out.x0)];
+              (along < 0 ? span.entry_mm : span.exit_mm) = f.depth.at(x + 0.5, y + 0.5) / along;
             }
         }
       }
+      for (int y = top; y < bottom; ++y) toDistances(camera, y, out);
+    }
+  });
+}
+
+// Row by row, all pixels against one face after the other.
+void throughAllFaces(const ConvexRegion& lens, const CameraPicture& camera, LensSpans& out) {
+  std::vector<FaceDepth> faces;
+  for (const HalfSpace& h : lens.planes) faces.emplace_back(h, camera);
+  const auto width = static_cast<std::size_t>(out.x1 - out.x0);
+  parallelFor(static_cast<std::size_t>(out.y1 - out.y0), 8, [&](std::size_t begin, std::size_t end) {
+    std::vector<double> entry(width), exit(width);
+    for (std::size_t row = begin; row < end; ++row) {
+      const double y = out.y0 + static_cast<double>(row) + 0.5;
+      entry.assign(width, -kInfinite), exit.assign(width, kInfinite);
+      for (const FaceDepth& f : faces)
+        for (std::size_t n = 0; n < width; ++n) {
+          const double x = out.x0 + static_cast<double>(n) + 0.5;
+          const double along = f.along(x, y), at = f.at(x, y), depth = at / along;
+          const bool never = along == 0 && at < 0;
+          entry[n] = along < 0 ? std::max(entry[n], depth) : never ? kInfinite : entry[n];
+          exit[n] = along > 0 ? std::min(exit[n], depth) : exit[n];
+        }
+      for (std::size_t n = 0; n < width; ++n)
+        out.spans[row * width + n] = entry[n] <= exit[n] ? RaySpan{entry[n], exit[n]} : kMiss;
+      toDistances(camera, out.y0 + static_cast<int>(row), out);
     }
   });
 }
@@ -128,12 +165,7 @@ LensSpans lensSpans(const ConvexRegion& lens, const CameraPicture& camera, bool 
     rasterise(lens, camera, corners, out);
     return out;
   }
-  parallelFor(static_cast<std::size_t>(height), 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t y = begin; y < end; ++y)
-      for (int x = 0; x < width; ++x)
-        out.spans[y * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] =
-            throughAllFaces(lens, camera.ray(out.x0 + x + 0.5, out.y0 + static_cast<double>(y) + 0.5));
-  });
+  throughAllFaces(lens, camera, out);
   return out;
 }
 
@@ -147,7 +179,7 @@ class RayCutter {
   }
 
   void cut(int x, int y, std::vector<RaySegment>& out) {
-    if (!meetsBox(x, y)) return;
+    if (!meetsAny(x, y)) return;
     const PatientRay ray = job_.camera.ray(x + 0.5, y + 0.5);
     RaySpan span = spanOf(ray, job_.region, job_.camera.near_mm * job_.camera.rayPerDepth(x + 0.5, y + 0.5));
     if (span.empty() || !clipTo(span, x, y)) return;
@@ -162,19 +194,21 @@ class RayCutter {
   }
 
  private:
-  bool meetsBox(int x, int y) const {
-    return std::any_of(lenses_.begin(), lenses_.end(),
-                       [&](const LensSpans& l) { return x >= l.x0 && x < l.x1 && y >= l.y0 && y < l.y1; });
+  bool meetsAny(int x, int y) const {
+    return std::any_of(lenses_.begin(), lenses_.end(), [&](const LensSpans& l) {
+      const RaySpan* const s = l.at(x, y);
+      return s && !s->empty();
+    });
   }
 
   // The parts of the ray in each lens; false when there is none.
   bool clipTo(const RaySpan& span, int x, int y) {
     bool any = false;
     for (std::size_t n = 0; n < lenses_.size(); ++n) {
-      const LensSpans& l = lenses_[n];
       within_[n] = kMiss;
-      if (x < l.x0 || x >= l.x1 || y < l.y0 || y >= l.y1) continue;
-      RaySpan s = l.spans[static_cast<std::size_t>((y - l.y0) * (l.x1 - l.x0) + x - l.x0)];
+      const RaySpan* const found = lenses_[n].at(x, y);
+      if (!found) continue;
+      RaySpan s = *found;
       s.entry_mm = std::max(s.entry_mm, span.entry_mm), s.exit_mm = std::min(s.exit_mm, span.exit_mm);
       if (!(s.entry_mm < s.exit_mm)) continue;
       within_[n] = s;
@@ -250,14 +284,29 @@ class RayCutter {
   std::uint32_t layer_ = 0;
 };
 
+std::vector<LensSpans> spansOf(const LensRaysJob& job) {
+  std::vector<LensSpans> found;
+  for (const auto& lens : job.lenses)
+    found.push_back(lensSpans(*lens, job.camera, lens->planes.size() > kAnalyticFacets));
+  return found;
+}
+
 }  // namespace
+
+Result<void> markLenses(const LensRaysJob& job, Images& images, std::stop_token stop) {
+  const TraceSpan span("lenses on rays");
+  auto rays = std::make_shared<RayIntervals>();
+  rays->width = job.camera.width_px, rays->height = job.camera.height_px;
+  rays->lenses = job.known ? *job.known : spansOf(job);
+  if (stop.stop_requested()) return makeError(ErrorCode::Cancelled, "Finding lenses on rays was cancelled.");
+  images.rays = std::move(rays);
+  return {};
+}
 
 Result<void> cutRays(const LensRaysJob& job, Images& images, std::stop_token stop) {
   const TraceSpan span("rays cut at lenses");
   std::vector<LensSpans> found;
-  if (!job.known)
-    for (const auto& lens : job.lenses)
-      found.push_back(lensSpans(*lens, job.camera, lens->planes.size() > kAnalyticFacets));
+  if (!job.known) found = spansOf(job);
   const std::vector<LensSpans>& lenses = job.known ? *job.known : found;
   const auto width = static_cast<std::size_t>(job.camera.width_px),
              height = static_cast<std::size_t>(job.camera.height_px);

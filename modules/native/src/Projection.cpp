@@ -166,11 +166,21 @@ RayStretch stretchOf(const RaySegment& s, const RaySpan& span) {
   return out;
 }
 
-// All parts of the job's appearance on a ray that meets a lens, into the first of them.
+void putSegment(const ProjectionJob& job, Along& a, RaySegment& to) {
+  to.covered = to.hasDepth = a.covered;
+  if (!a.covered) return;
+  const double grey = greyOf(job, a);
+  to.colour.fill(static_cast<float>(job.invert ? 1 - std::clamp(grey, 0.0, 1.0) : grey));
+  to.depth_mm = static_cast<float>(a.at_mm);
+}
+
+// All parts of the job's appearance on a ray that meets a lens, into the first of them; of Attenuation each
+// into its own.
 template <class Gather>
 void drawSegments(const ProjectionJob& job, RayIntervals& rays, std::size_t pixel, RayPart part,
                   Gather&& gather) {
   const RaySpan span = spanOf(part.ray, job.region, job.camera.near_mm * part.rayPerDepth);
+  const bool eachItsOwn = job.mode == ProjectionMode::Attenuation;
   RaySegment* first = nullptr;
   Along a;
   eachSegment(rays, pixel, job.rays, [&](std::size_t n) {
@@ -181,13 +191,11 @@ void drawSegments(const ProjectionJob& job, RayIntervals& rays, std::size_t pixe
     a.share = static_cast<double>(segment.weight);
     addPart(job, gather(part), part.along.from_mm, a);
     ++part.passed;
+    if (!eachItsOwn) return;
+    putSegment(job, a, segment);
+    a = {};
   });
-  if (!first) return;
-  first->covered = first->hasDepth = a.covered;
-  if (!a.covered) return;
-  const double grey = greyOf(job, a);
-  first->colour.fill(static_cast<float>(job.invert ? 1 - std::clamp(grey, 0.0, 1.0) : grey));
-  first->depth_mm = static_cast<float>(a.at_mm);
+  if (first && !eachItsOwn) putSegment(job, a, *first);
 }
 
 // gather(part) reads what lies between two tools.

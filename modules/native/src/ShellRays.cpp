@@ -88,18 +88,22 @@ ShellRay shellRay(const ShellsJob& job, double x, double y, std::span<const RayS
   const RaySegment& s = segments[index];
   const PatientRay ray = job.camera.ray(x, y);
   ShellRay out = shellRay(job, x, y);
-  const auto isTool = [](const RaySegment& other) { return other.appearance < 0; };
+  // Tools open nothing, nor do faces through which the shells go on.
+  const auto goesOn = [&](const RaySegment& other) {
+    const auto n = static_cast<std::size_t>(other.appearance);
+    return other.appearance < 0 || (n < job.goesOn.size() && job.goesOn[n]);
+  };
   const auto cap = [&](double t_mm) {
     return capAt(job, ray, t_mm, job.mode == ShellsMode::Lit ? cosineAt(job, ray, t_mm) : 1);
   };
   const double from = static_cast<double>(s.from_mm), to = static_cast<double>(s.to_mm);
   if (s.beginsInside) {
     out.from_mm = from;
-    out.caps[0] = index > 0 && isTool(segments[index - 1]) ? ShellRay::Cap{} : cap(from);
+    out.caps[0] = index > 0 && goesOn(segments[index - 1]) ? ShellRay::Cap{} : cap(from);
   }
   if (s.endsInside) {
     out.to_mm = to;
-    out.caps[1] = index + 1 < segments.size() && isTool(segments[index + 1]) ? ShellRay::Cap{} : cap(to);
+    out.caps[1] = index + 1 < segments.size() && goesOn(segments[index + 1]) ? ShellRay::Cap{} : cap(to);
   }
   return out;
 }

@@ -341,8 +341,6 @@ void Drawing::addPart(Gathered& g, std::size_t i, const ShellPixel& shown, RaySe
 
 void Drawing::composeParts(int number, int round, Gathered& g) const {
   const TileRect r = shells_.rect(number);
-  const glm::dvec3 least = job_.colour * (job_.beta0 * job_.phi0);
-  const bool hasLeast = job_.mode == ShellsMode::Max && glm::any(glm::greaterThan(least, glm::dvec3(0)));
   for (int y = r.y0; y <= r.y1; ++y)
     for (int x = r.x0; x <= r.x1; ++x) {
       const std::size_t i = at(r, x, y), p = pixel(x, y);
@@ -353,9 +351,6 @@ void Drawing::composeParts(int number, int round, Gathered& g) const {
       if (round == 0) {
         first->covered = first->hasDepth = false;
         g.crossings[i] = g.distance[i] = 0;
-        // What a ray has at least, unless a tool ends it.
-        if (hasLeast && rays_->of(p).back().appearance != RaySegment::kEnd)
-          putPart(least, 0, *first), first->hasDepth = false;
       }
       addPart(g, i, pixelOf(g, i, x, y), own, *first);
     }

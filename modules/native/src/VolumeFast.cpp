@@ -5,9 +5,14 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include <type_traits>
+
+#include "PacketLenses.h"
 #include "VolumeFast.h"
+#include "VolumeFastLens-inl.h"
 #include "VolumeFastLight-inl.h"
 #include "VolumeFastRead-inl.h"
+#include "VolumeFastSteps-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace vernier::native {
@@ -15,70 +20,8 @@ namespace HWY_NAMESPACE {
 
 constexpr std::int64_t kBlockSteps = 16;
 
-// The steps that the lanes' parts meet, counted from `base`, and the shares of the first and the last.
-struct LaneSteps {
-  std::int64_t base = 0;                     // least first step
-  std::int64_t last = -1;                    // greatest last step
-  std::int64_t wholeFrom = 0, wholeTo = -1;  // between these all lanes have whole steps
-  VI first, end;
-  V firstShare, lastShare;
-};
-
-HWY_INLINE LaneSteps StepsOf(const RayPacket& p, double step, int lane0) {
-  const D d;
-  const DI di;
-  constexpr int kMost = kPacketRays;
-  std::int64_t first[kMost], last[kMost];
-  alignas(64) std::int32_t from[kMost], to[kMost];
-  alignas(64) float share0[kMost], share1[kMost];
-  const int n = static_cast<int>(hn::Lanes(d));
-  LaneSteps s;
-  s.base = std::numeric_limits<std::int64_t>::max();
-  s.wholeFrom = std::numeric_limits<std::int64_t>::min(),
-  s.wholeTo = std::numeric_limits<std::int64_t>::max();
-  for (int l = 0; l < n; ++l) {
-    const double begin = p.from_mm[lane0 + l] / step, end = p.to_mm[lane0 + l] / step;
-    first[l] = 0, last[l] = -1, share0[l] = share1[l] = 0;
-    if (!(end > begin)) continue;
-    const double low = std::floor(begin), high = std::ceil(end) - 1;
-    first[l] = static_cast<std::int64_t>(low), last[l] = std::max(static_cast<std::int64_t>(high), first[l]);
-    const bool one = last[l] == first[l];
-    share0[l] = static_cast<float>(one ? end - begin : low + 1 - begin);
-    share1[l] = one ? share0[l] : static_cast<float>(end - high);
-    s.base = std::min(s.base, first[l]), s.last = std::max(s.last, last[l]);
-    s.wholeFrom = std::max(s.wholeFrom, first[l] + 1), s.wholeTo = std::min(s.wholeTo, last[l] - 1);
-  }
-  for (int l = 0; l < n; ++l) {
-    const bool empty = last[l] < first[l];
-    from[l] = empty ? 1 : static_cast<std::int32_t>(first[l] - s.base);
-    to[l] = empty ? 0 : static_cast<std::int32_t>(last[l] - s.base);
-    if (empty) s.wholeTo = -1;
-  }
-  s.first = hn::Load(di, from), s.end = hn::Load(di, to);
-  s.firstShare = hn::Load(d, share0), s.lastShare = hn::Load(d, share1);
-  return s;
-}
-
-// The state of the lanes: light so far, and where the accumulated opacity passed a half.
-struct Light {
-  V colour[3];
-  V through;
-  V before, after;  // of the step that passed the half
-  VI halfStep;      // from LaneSteps::base; -1: not yet
-};
-
-// Opacities of parts of steps: 1 - (1 - A)^share.
-HWY_NOINLINE V PartOf(V opacity, V share) {
-  const D d;
-  alignas(64) float a[kPacketRays], s[kPacketRays];
-  hn::Store(opacity, d, a), hn::Store(share, d, s);
-  for (std::size_t l = 0; l < hn::Lanes(d); ++l)
-    if (a[l] > 0 && s[l] < 1)
-      a[l] = static_cast<float>(opacityOver(static_cast<double>(a[l]), static_cast<double>(s[l])));
-  return hn::Load(d, a);
-}
-
-template <class T, bool kTable>
+// kLens: the packet's rays meet lenses, and change their tables there; all else is as without.
+template <class T, bool kTable, bool kLens>
 class March {
  public:
   March(const FastVolume& v, const RayPacket& p, const PacketMarks& marks, int lane0, ProjectionWork& work)
@@ -95,6 +38,7 @@ class March {
     LoadLight(lights);
     for (int a = 0; a < 3; ++a) stride_[a] = DirectionOf(a);
     if (v_.shaded) lighting_.set(v_, p_, lane0_);
+    if constexpr (kLens) lens_.set(p_, step_, lane0_, steps_);
     marks_.seen.eachRun(steps_.base, steps_.last, [&](std::int64_t begin, std::int64_t end) {
       if (marks_.holes) return WithHoles(lights, begin, end);
       return Steps(begin, end);
@@ -156,17 +100,30 @@ class March {
   HWY_INLINE bool Steps(std::int64_t begin, std::int64_t end) {
     V front = hn::Zero(D());
     bool first = true;
+    fresh_ = true;
     for (std::int64_t k = begin; k < end; ++k) {
       const std::int64_t block = k - k % kBlockSteps;
       const bool fresh = block != block_;
       if (fresh) Begin(block);
       if constexpr (kTable)
         if (fresh || first)
-          front = TablePlace(FieldAt<T>(v_.read, PlaceAt(static_cast<float>(k - block) - 0.5f)).value);
+          front = FrontOf(FieldAt<T>(v_.read, PlaceAt(static_cast<float>(k - block) - 0.5f)).value);
       first = false;
-      if (!Step(k, front)) return false;
+      if constexpr (kLens) {
+        if (!LensedStep(k, front)) return false;
+      } else if (!Step(k, front)) {
+        return false;
+      }
     }
     return true;
+  }
+
+  // What is kept of a step's end for the next one: with lenses the value, whose place depends on the tables.
+  HWY_INLINE V FrontOf(V value) const {
+    if constexpr (kLens)
+      return value;
+    else
+      return TablePlace(value);
   }
 
   HWY_INLINE bool Step(std::int64_t k, V& front) {
@@ -220,24 +177,74 @@ class March {
     }
     if (v_.shaded) lighting_.apply(v_, GradientAt<T>(v_.read, whole_, place, here, inner_), colour);
     if (cut) opacity = PartOf(opacity, share);
-    Add(k, opacity, colour);
+    light_.Add<kLens>(k - steps_.base, opacity, colour, opacity, opacity);
     return true;
   }
 
-  HWY_INLINE void Add(std::int64_t k, V opacity, const V (&colour)[3]) {
+  HWY_INLINE M Active(std::int64_t k) const {
     const D d;
-    const V weight = hn::Mul(light_.through, opacity);
-    for (int c = 0; c < 3; ++c) light_.colour[c] = hn::MulAdd(weight, colour[c], light_.colour[c]);
-    const V after = hn::Sub(light_.through, weight), half = hn::Set(d, 0.5f);
-    const M passed = hn::And(hn::Gt(light_.through, half), hn::Le(after, half));
-    if (!hn::AllFalse(d, passed)) {
-      light_.before = hn::IfThenElse(passed, light_.through, light_.before);
-      light_.after = hn::IfThenElse(passed, after, light_.after);
-      light_.halfStep =
-          hn::IfThenElse(hn::RebindMask(DI(), passed),
-                         hn::Set(DI(), static_cast<std::int32_t>(k - steps_.base)), light_.halfStep);
+    const M lit = hn::Ge(light_.through, hn::Set(d, static_cast<float>(v_.job->leastLight)));
+    if (k >= steps_.wholeFrom && k <= steps_.wholeTo) return lit;
+    const VI now = hn::Set(DI(), static_cast<std::int32_t>(k - steps_.base));
+    const auto outside = hn::Or(hn::Lt(now, steps_.first), hn::Gt(now, steps_.end));
+    return hn::AndNot(hn::RebindMask(d, outside), lit);
+  }
+
+  // One reading of the field, classified by each lane's own tables; where a lane's appearance changes within
+  // the step, by both, each for its share.
+  HWY_INLINE bool LensedStep(std::int64_t k, V& front) {
+    const D d;
+    const float within = static_cast<float>(k - block_);
+    M active = Active(k);
+    if (hn::AllFalse(d, active)) {
+      if constexpr (kTable) front = FieldAt<T>(v_.read, PlaceAt(within + 0.5f)).value;
+      return AnyLeft(k);
     }
-    light_.through = after;
+    samples_ += hn::CountTrue(d, active);
+    Reading r;
+    if constexpr (kTable) {
+      r.front = front, r.back = FieldAt<T>(v_.read, PlaceAt(within + 0.5f)).value;
+      front = r.back;
+    }
+    if (!kTable || v_.shaded) r.place = PlaceAt(within), r.here = FieldAt<T>(v_.read, r.place);
+    const std::int64_t n = k - steps_.base;
+    V u = hn::Zero(d), stop = hn::Set(d, 1.0f);
+    if (!lens_.cutAt(n)) {
+      if (fresh_) look_ = LookOf(v_, lens_.appearance(n));
+      fresh_ = false;
+      Classified(k, r, look_, active, u, stop, false);
+      return true;
+    }
+    fresh_ = true;
+    const VI now = hn::Set(DI(), static_cast<std::int32_t>(n));
+    u = hn::IfThenElse(hn::RebindMask(d, hn::Eq(now, steps_.first)), steps_.beginAt, u);
+    stop = hn::IfThenElse(hn::RebindMask(d, hn::Eq(now, steps_.end)), steps_.endAt, stop);
+    for (; !hn::AllFalse(d, active); active = hn::And(active, hn::Lt(u, stop))) {
+      const V next = lens_.next(n, u, stop);
+      Classified(k, r, LookOf(v_, lens_.appearanceFrom(n, u)), active, u, next, true);
+      u = next;
+    }
+    return true;
+  }
+
+  struct Reading {
+    V front, back;
+    FieldPlace place;
+    FieldSample here;
+  };
+  // Adds what a step shows between `u` and `next` of it.
+  HWY_INLINE void Classified(std::int64_t k, const Reading& r, const Look& look, M active, V u, V next,
+                             bool part) {
+    const D d;
+    V opacity, colour[3];
+    if constexpr (kTable)
+      ClassifyPair(v_, look, r.front, r.back, active, opacity, colour);
+    else
+      ClassifyPost(v_, look, r.here.value, active, opacity, colour);
+    if (hn::AllFalse(d, active)) return;
+    if (v_.shaded) lighting_.apply(v_, GradientAt<T>(v_.read, whole_, r.place, r.here, inner_), colour);
+    if (part) opacity = PartOf(opacity, hn::Sub(next, u));
+    light_.Add<kLens>(k - steps_.base, opacity, colour, u, next);
   }
 
   // Is there a lane with light left whose part goes on behind step k?
@@ -259,7 +266,9 @@ class March {
         StoreLight(lights);
         for (std::size_t l = 0; l < hn::Lanes(D()); ++l) {
           const int n = lane0_ + static_cast<int>(l);
-          if (p_.to_mm[n] > p_.from_mm[n])
+          if constexpr (kLens)
+            GeneralParts(n, k, binEnd, lights[n]);
+          else if (p_.to_mm[n] > p_.from_mm[n])
             v_.general->steps(p_.ray(n), p_.forward(n), p_.from_mm[n], p_.to_mm[n], k, binEnd, lights[n],
                               work_);
         }
@@ -272,37 +281,21 @@ class March {
     return true;
   }
 
-  HWY_INLINE void LoadLight(const RayLight* lights) {
-    const D d;
-    alignas(64) float f[4][kPacketRays];
-    for (std::size_t l = 0; l < hn::Lanes(d); ++l) {
-      const RayLight& r = lights[static_cast<std::size_t>(lane0_) + l];
-      for (int c = 0; c < 3; ++c) f[c][l] = static_cast<float>(r.colour[c]);
-      f[3][l] = static_cast<float>(r.through);
-    }
-    for (int c = 0; c < 3; ++c) light_.colour[c] = hn::Load(d, f[c]);
-    light_.through = hn::Load(d, f[3]);
-    light_.before = light_.after = hn::Set(d, 1.0f);
-    light_.halfStep = hn::Set(DI(), -1);
+  // Steps [begin, end) of one ray in double, part by part.
+  void GeneralParts(int n, std::int64_t begin, std::int64_t end, RayLight& light) {
+    eachPart(p_, n, [&](int appearance, double from, double to) {
+      const GeneralBlend* const general = v_.looks.general[static_cast<std::size_t>(appearance)];
+      const auto first = static_cast<std::int64_t>(std::floor(from / step_)),
+                 last = static_cast<std::int64_t>(std::ceil(to / step_));
+      if (general && std::max(begin, first) < std::min(end, last))
+        general->steps(p_.ray(n), p_.forward(n), from, to, std::max(begin, first), std::min(end, last), light,
+                       work_);
+    });
   }
 
+  HWY_INLINE void LoadLight(const RayLight* lights) { light_.Load(lights + lane0_); }
   HWY_INLINE void StoreLight(RayLight* lights) {
-    const D d;
-    alignas(64) float f[6][kPacketRays];
-    alignas(64) std::int32_t half[kPacketRays];
-    for (int c = 0; c < 3; ++c) hn::Store(light_.colour[c], d, f[c]);
-    hn::Store(light_.through, d, f[3]), hn::Store(light_.before, d, f[4]), hn::Store(light_.after, d, f[5]);
-    hn::Store(light_.halfStep, DI(), half);
-    for (std::size_t l = 0; l < hn::Lanes(d); ++l) {
-      const std::size_t n = static_cast<std::size_t>(lane0_) + l;
-      RayLight& r = lights[n];
-      for (int c = 0; c < 3; ++c) r.colour[c] = static_cast<double>(f[c][l]);
-      r.through = static_cast<double>(f[3][l]);
-      if (half[l] < 0) continue;
-      const StepShare s = shareOf(steps_.base + half[l], step_, p_.from_mm[n], p_.to_mm[n]);
-      r.half_mm =
-          RayLight::halfPlace(static_cast<double>(f[4][l]), static_cast<double>(f[5][l]), s.from_mm, s.to_mm);
-    }
+    light_.Store<kLens>(p_, steps_.base, step_, lane0_, lights);
   }
 
   const FastVolume& v_;
@@ -319,34 +312,41 @@ class March {
   bool inside_ = false, inner_ = false;
   Light light_;
   PacketLighting lighting_;
+  std::conditional_t<kLens, LensLanes, char> lens_;
+  Look look_;          // with lenses: of the steps until the next cut
+  bool fresh_ = true;  // it must be made anew
 };
 
-template <class T, bool kTable>
+template <class T, bool kTable, bool kLens>
 void Blend(const FastVolume& v, const RayPacket& p, const PacketMarks& marks, RayLight* lights,
            ProjectionWork& work) {
   for (int lane = 0; lane < kPacketRays; lane += static_cast<int>(hn::Lanes(D()))) {
-    March<T, kTable> march(v, p, marks, lane, work);
+    March<T, kTable, kLens> march(v, p, marks, lane, work);
     march.Run(lights);
   }
 }
 
-template <class T>
+template <class T, bool kLens>
 FastBlend BlendOf(const FastVolume& v) {
-  return v.job->classification == Classification::PreIntegrated ? Blend<T, true> : Blend<T, false>;
+  return v.job->classification == Classification::PreIntegrated ? Blend<T, true, kLens>
+                                                                : Blend<T, false, kLens>;
 }
 
-FastBlend BlendFor(const FastVolume& v) {
+template <bool kLens>
+FastBlend OfType(const FastVolume& v) {
   switch (v.job->volume->type()) {
     case VoxelType::U8:
-      return BlendOf<std::uint8_t>(v);
+      return BlendOf<std::uint8_t, kLens>(v);
     case VoxelType::U16:
-      return BlendOf<std::uint16_t>(v);
+      return BlendOf<std::uint16_t, kLens>(v);
     case VoxelType::I16:
-      return BlendOf<std::int16_t>(v);
+      return BlendOf<std::int16_t, kLens>(v);
     default:
-      return BlendOf<float>(v);
+      return BlendOf<float, kLens>(v);
   }
 }
+
+FastBlends BlendsFor(const FastVolume& v) { return {OfType<false>(v), OfType<true>(v)}; }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace vernier::native
@@ -355,9 +355,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace vernier::native {
 
-HWY_EXPORT(BlendFor);
+HWY_EXPORT(BlendsFor);
 
-FastBlend fastBlendFor(const FastVolume& v) { return HWY_DYNAMIC_DISPATCH(BlendFor)(v); }
+FastBlends fastBlendsFor(const FastVolume& v) { return HWY_DYNAMIC_DISPATCH(BlendsFor)(v); }
 
 }  // namespace vernier::native
 #endif

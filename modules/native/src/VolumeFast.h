@@ -13,6 +13,12 @@
 
 namespace vernier::native {
 
+// Appearances drawn together: where the rays of a packet enter and leave each lens, mm; entry > exit: never.
+struct PacketLenses {
+  int count = 0;
+  alignas(64) double entry_mm[kMostInsides][kPacketRays], exit_mm[kMostInsides][kPacketRays];
+};
+
 // The rays of a packet, and one part of each. Lane n is pixel (n % 4, n / 4).
 struct RayPacket {
   alignas(64) double origin[3][kPacketRays];                    // voxels, at the lattice's origin
@@ -20,6 +26,7 @@ struct RayPacket {
   alignas(64) double towards[3][kPacketRays];                   // unit, in the patient, away from the eye
   alignas(64) double from_mm[kPacketRays], to_mm[kPacketRays];  // empty: from > to
   bool parallel = false;                                        // all rays have the direction of the first
+  const PacketLenses* lenses = nullptr;                         // null: no ray of it meets any
   VoxelRay ray(int n) const {
     return {
         {origin[0][n], origin[1][n], origin[2][n]}, {direction[0][n], direction[1][n], direction[2][n]}, 1};
@@ -37,6 +44,14 @@ struct FastLamp {
   float towards[3] = {0, 0, 0}, colour[3] = {1, 1, 1};
 };
 
+// The tables of appearances drawn together, the outside's first, one behind the other in FastVolume's; of
+// what shows nothing an empty one. By appearance.
+struct FastLooks {
+  std::vector<float> placeScale, placeOffset, lastPlace, seenFrom, seenTo;
+  std::vector<std::int32_t> first, entries;
+  std::vector<const GeneralBlend*> general;  // null: shows nothing
+};
+
 struct FastVolume {
   const VolumeRenderJob* job = nullptr;
   const GeneralBlend* general = nullptr;
@@ -49,6 +64,7 @@ struct FastVolume {
   std::array<std::vector<std::uint32_t>, 3>
       colour;                             // Post: 16 bits of value, 16 of the way to the next entry
   std::array<std::vector<float>, 3> lit;  // PreIntegrated: premultiplied colour
+  FastLooks looks;                        // of jobs with insides
   bool shaded = false, ownColour = true;
   float ambient[3] = {}, diffuse[3] = {};  // the material's part times its colour, or the part alone
   float specular = 0, power = 1;
@@ -62,6 +78,9 @@ std::optional<FastVolume> fastVolumeOf(const VolumeRenderJob&);
 
 using FastBlend = void (*)(const FastVolume&, const RayPacket&, const PacketMarks&, RayLight*,
                            ProjectionWork&);
-FastBlend fastBlendFor(const FastVolume&);
+struct FastBlends {
+  FastBlend plain = nullptr, lensed = nullptr;
+};
+FastBlends fastBlendsFor(const FastVolume&);
 
 }  // namespace vernier::native

@@ -36,29 +36,72 @@ std::uint32_t packed(float value, float next) {
   return static_cast<std::uint32_t>(whole) << 16 | (static_cast<std::uint32_t>((there - whole) / 2) & 0xffff);
 }
 
-void setTable(FastVolume& v, const TransferTable& t) {
+// The table goes behind those that are there; where it may show something: between `from` and `to`.
+struct Seen {
+  float from = 0, to = -1;
+};
+
+Seen addTable(FastVolume& v, const TransferTable& t) {
   const auto n = static_cast<std::size_t>(t.size);
-  v.opacity.resize(n + 1);
-  for (auto& c : v.colour) c.resize(n);
   std::size_t first = n, last = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    v.opacity[k] = t.rgba[4 * k + 3];
-    if (v.opacity[k] > 0) first = std::min(first, k), last = k;
-    const std::size_t next = std::min(k + 1, n - 1);
-    for (std::size_t c = 0; c < 3; ++c) v.colour[c][k] = packed(t.rgba[4 * k + c], t.rgba[4 * next + c]);
+  for (std::size_t k = 0; k <= n; ++k) {
+    const std::size_t here = std::min(k, n - 1), next = std::min(k + 1, n - 1);
+    const float opacity = t.rgba[4 * here + 3];
+    v.opacity.push_back(opacity);
+    if (opacity > 0 && k < n) first = std::min(first, k), last = k;
+    for (std::size_t c = 0; c < 3; ++c)
+      v.colour[c].push_back(packed(t.rgba[4 * here + c], t.rgba[4 * next + c]));
   }
-  v.opacity[n] = v.opacity[n - 1];
   // Strictly between them; nothing at all where the first lies behind the last.
-  v.seenFrom = static_cast<float>(first) - 1, v.seenTo = static_cast<float>(last) + 1;
+  return {static_cast<float>(first) - 1, static_cast<float>(last) + 1};
 }
 
-void setTable(FastVolume& v, const PreIntegratedTable& t) {
+Seen addTable(FastVolume& v, const PreIntegratedTable& t) {
   const std::size_t n = t.rgba.size() / 4;
-  v.opacity.resize(n);
-  for (auto& c : v.lit) c.resize(n);
   for (std::size_t k = 0; k < n; ++k) {
-    v.opacity[k] = t.rgba[4 * k + 3];
-    for (std::size_t c = 0; c < 3; ++c) v.lit[c][k] = t.rgba[4 * k + c];
+    v.opacity.push_back(t.rgba[4 * k + 3]);
+    for (std::size_t c = 0; c < 3; ++c) v.lit[c].push_back(t.rgba[4 * k + c]);
+  }
+  return {-1, static_cast<float>(t.size)};
+}
+
+struct TablePlace {
+  float scale = 0, offset = 0;
+};
+TablePlace placeIn(const FastVolume& v, double least, double greatest, int entries) {
+  const ModalityRescale& r = v.job->volume->rescaleOf(0);
+  const double perValue = (entries - 1) / (greatest - least);
+  return {static_cast<float>(r.slope * perValue),
+          static_cast<float>((r.slope * v.read.bias + r.intercept - least) * perValue)};
+}
+
+void addLook(FastVolume& v, std::size_t first, int entries, TablePlace place, Seen seen) {
+  FastLooks& l = v.looks;
+  l.placeScale.push_back(place.scale), l.placeOffset.push_back(place.offset);
+  l.lastPlace.push_back(static_cast<float>(entries - 1));
+  l.seenFrom.push_back(seen.from), l.seenTo.push_back(seen.to);
+  l.first.push_back(static_cast<std::int32_t>(first)), l.entries.push_back(entries);
+}
+
+void addInsides(FastVolume& v) {
+  const VolumeRenderJob& job = *v.job;
+  addLook(v, 0, v.entries, {v.placeScale, v.placeOffset}, {v.seenFrom, v.seenTo});
+  for (const VolumeInside& inside : job.insides) {
+    const std::size_t first = v.opacity.size();
+    if (!inside.function) {
+      v.opacity.insert(v.opacity.end(), 4, 0.0f);
+      for (auto& c : v.colour) c.insert(c.end(), 4, 0);
+      for (auto& c : v.lit) c.insert(c.end(), 4, 0.0f);
+      addLook(v, first, 2, {}, {});
+    } else if (job.classification == Classification::PreIntegrated) {
+      const PreIntegratedTable& t = *inside.preIntegrated;
+      const Seen seen = addTable(v, t);
+      addLook(v, first, t.size, placeIn(v, t.least, t.greatest, t.size), seen);
+    } else {
+      const TransferTable& t = *inside.table;
+      const Seen seen = addTable(v, t);
+      addLook(v, first, t.size, placeIn(v, t.least, t.greatest, t.size), seen);
+    }
   }
 }
 
@@ -117,12 +160,12 @@ std::optional<FastVolume> fastVolumeOf(const VolumeRenderJob& job) {
   const double least = byTable ? job.preIntegrated->least : job.table->least;
   const double greatest = byTable ? job.preIntegrated->greatest : job.table->greatest;
   v.entries = byTable ? job.preIntegrated->size : job.table->size;
-  const ModalityRescale& r = volume.rescaleOf(0);
-  const double perValue = (v.entries - 1) / (greatest - least);
-  v.placeScale = static_cast<float>(r.slope * perValue);
-  v.placeOffset = static_cast<float>((r.slope * v.read.bias + r.intercept - least) * perValue);
+  const TablePlace place = placeIn(v, least, greatest, v.entries);
+  v.placeScale = place.scale, v.placeOffset = place.offset;
   v.lastPlace = static_cast<float>(v.entries - 1);
-  byTable ? setTable(v, *job.preIntegrated) : setTable(v, *job.table);
+  const Seen seen = byTable ? addTable(v, *job.preIntegrated) : addTable(v, *job.table);
+  v.seenFrom = seen.from, v.seenTo = seen.to;
+  if (!job.insides.empty()) addInsides(v);
   setShading(v);
   return v;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "PacketLenses.h"
 #include "PacketParts.h"
 #include "PacketRays.h"
 #include "VolumeColour.h"
@@ -25,7 +26,19 @@ struct Painter {
   std::optional<GeneralBlend> general;
   std::optional<ColourBlend> colour;
   std::optional<FastVolume> fast;
-  FastBlend kernel = nullptr;
+  FastBlends kernels;
+  // Of appearances drawn together, after the outside; both null where a lens shows nothing.
+  struct Inside {
+    VolumeRenderJob job;
+    std::unique_ptr<const GeneralBlend> general;
+    std::shared_ptr<const BrickMarks> marks;
+  };
+  std::vector<Inside> insides;
+
+  bool together() const { return images.rays && job.rays.which == RaysOfPass::Which::Together; }
+  const GeneralBlend* generalOf(int appearance) const {
+    return appearance == 0 ? &*general : insides[static_cast<std::size_t>(appearance) - 1].general.get();
+  }
 
   PacketMarks marksOf(int px, int py) const {
     PacketMarks m;
@@ -44,13 +57,23 @@ struct PacketWork {
   std::size_t pixel[kPacketRays];
   bool inPicture[kPacketRays];
   RayLight light[kPacketRays];
+  PacketLenses lenses;
+  LensedMarks lensedMarks;
+  std::vector<const std::uint64_t*> seen;
 };
 
 void drawParts(const Painter& p, PacketWork& w, const PacketMarks& marks, ProjectionWork& work) {
-  if (p.kernel) return p.kernel(*p.fast, w.rays, marks, w.light, work);
+  if (const FastBlend kernel = w.rays.lenses ? p.kernels.lensed : p.kernels.plain)
+    return kernel(*p.fast, w.rays, marks, w.light, work);
   for (int n = 0; n < kPacketRays; ++n) {
     if (!(w.rays.to_mm[n] > w.rays.from_mm[n]) || w.light[n].through < p.job.leastLight) continue;
-    if (p.colour)
+    if (w.rays.lenses)
+      eachPart(w.rays, n, [&](int appearance, double from, double to) {
+        const GeneralBlend* const general = p.generalOf(appearance);
+        if (general && w.light[n].through >= p.job.leastLight)
+          general->along(w.rays.ray(n), w.rays.forward(n), from, to, marks.seen, w.light[n], work);
+      });
+    else if (p.colour)
       p.colour->along(w.rays.ray(n), w.rays.from_mm[n], w.rays.to_mm[n], w.light[n], work);
     else
       p.general->along(w.rays.ray(n), w.rays.forward(n), w.rays.from_mm[n], w.rays.to_mm[n], marks.seen,
@@ -136,15 +159,28 @@ void drawSegments(const Painter& p, PacketRays& rays, int x0, int y0, PacketWork
   }
 }
 
+// The marks of a packet whose rays meet lenses that are drawn together with the outside.
+PacketMarks lensedMarks(const Painter& p, PacketWork& w, int px, int py) {
+  PacketMarks m = p.marksOf(px, py);
+  if (!p.marks) return m;
+  w.seen.assign(1, m.seen.seen);
+  for (const Painter::Inside& inside : p.insides)
+    w.seen.push_back(inside.marks ? inside.marks->seen(px, py) : nullptr);
+  m.seen.seen = w.lensedMarks.of(w.rays, m.seen, p.job.step_mm, w.seen);
+  return m;
+}
+
 void drawPacket(const Painter& p, PacketRays& rays, int x0, int y0, PacketWork& w, ProjectionWork& work) {
   const SurfaceHits* const tools = p.job.tools;
   const int px = x0 / kPacketEdge_px, py = y0 / kPacketEdge_px;
-  const RayIntervals* const cut = p.images.rays.get();
+  const RayIntervals* const cut = p.together() ? nullptr : p.images.rays.get();
+  const bool lensed = p.together() && setLenses(p.images.rays->lenses, x0, y0, w.lenses);
+  w.rays.lenses = lensed ? &w.lenses : nullptr;
   if (cut) {
     if (meetsLens(*cut, x0, y0)) drawSegments(p, rays, x0, y0, w, work);
     if (!p.job.rays.drawsPlainRays()) return;
   }
-  if (!tools && p.marks && !p.marks->any(px, py)) return putBackground(p, x0, y0);
+  if (!tools && !lensed && p.marks && !p.marks->any(px, py)) return putBackground(p, x0, y0);
   rays.set(x0, y0, w.rays);
   for (int n = 0; n < kPacketRays; ++n) {
     const int x = x0 + n % kPacketEdge_px, y = y0 + n / kPacketEdge_px;
@@ -161,10 +197,16 @@ void drawPacket(const Painter& p, PacketRays& rays, int x0, int y0, PacketWork& 
     w.layer[n] = tools->first[w.pixel[n]];
     w.until_mm[n] = std::min(w.rays.to_mm[n], static_cast<double>(tools->end_mm[w.pixel[n]]));
   }
-  const PacketMarks marks = p.marksOf(px, py);
+  const PacketMarks marks = lensed ? lensedMarks(p, w, px, py) : p.marksOf(px, py);
   tools ? drawWithTools(p, w, marks, work) : drawParts(p, w, marks, work);
   for (int n = 0; n < kPacketRays; ++n)
     if (w.inPicture[n]) put(p, w, n);
+}
+
+bool tableFits(const VolumeRenderJob& job, const TransferTable* post, const PreIntegratedTable* pair) {
+  if (job.classification == Classification::Pre) return true;
+  return job.classification == Classification::Post ? post && post->step_mm == job.step_mm
+                                                    : pair && pair->step_mm == job.step_mm;
 }
 
 std::string whatDoesNotFit(const VolumeRenderJob& job) {
@@ -176,14 +218,30 @@ std::string whatDoesNotFit(const VolumeRenderJob& job) {
                : "";
   if (!job.function) return "The job has no transfer function.";
   if (job.mode != VolumeMode::Blend) return "";
-  if (job.classification == Classification::Post && (!job.table || job.table->step_mm != job.step_mm))
-    return "The job has no table for its step.";
-  if (job.classification == Classification::PreIntegrated &&
-      (!job.preIntegrated || job.preIntegrated->step_mm != job.step_mm))
-    return "The job has no pre-integrated table for its step.";
+  for (const VolumeInside& inside : job.insides)
+    if (inside.function && !tableFits(job, inside.table, inside.preIntegrated))
+      return "An inside has no table for the step.";
+  if (!tableFits(job, job.table, job.preIntegrated)) return "The job has no table for its step.";
   if (job.classification == Classification::PreIntegrated && job.opacity == OpacityRule::Linear)
     return "Pre-integrated tables know the exact rule only.";
   return "";
+}
+
+void addInsides(Painter& p) {
+  for (const VolumeInside& inside : p.job.insides) {
+    Painter::Inside& out = p.insides.emplace_back();
+    out.job = p.job;
+    if (!inside.function) continue;
+    out.job.function = inside.function, out.job.table = inside.table;
+    out.job.preIntegrated = inside.preIntegrated;
+    if (inside.visible && p.marks)
+      out.marks =
+          marksOf(*inside.visible, p.job.volume->grid(), p.job.camera, p.job.step_mm, p.images.rays.get());
+  }
+  // They refer to their jobs, which stay where they are from here on.
+  for (std::size_t n = 0; n < p.insides.size(); ++n)
+    if (p.job.insides[n].function)
+      p.insides[n].general = std::make_unique<const GeneralBlend>(p.insides[n].job);
 }
 
 }  // namespace
@@ -192,17 +250,24 @@ Result<void> renderVolume(const VolumeRenderJob& job, Images& images, std::stop_
   if (std::string why = whatDoesNotFit(job); !why.empty())
     return makeError(ErrorCode::Internal, std::move(why), "renderVolume");
   if (job.mode != VolumeMode::Blend) return renderExtreme(job, images, stop);
+  if (job.rays.which == RaysOfPass::Which::Together &&
+      (!images.rays || images.rays->lenses.size() != job.insides.size() ||
+       job.insides.size() > kMostInsides || job.volume->isColour()))
+    return makeError(ErrorCode::Internal, "The job's insides are not those of the rays.", "renderVolume");
   const TraceSpan span("volume rendering");
   images.width = job.camera.width_px, images.height = job.camera.height_px;
   const std::size_t count = static_cast<std::size_t>(images.width) * static_cast<std::size_t>(images.height);
   images.colour.resize(4 * count), images.depth.resize(count);
-  Painter painter{job, images, {}, {}, {}, fastVolumeOf(job)};
+  Painter painter{job, images, {}, {}, {}, fastVolumeOf(job), {}, {}};
   job.volume->isColour() ? (void)painter.colour.emplace(job) : (void)painter.general.emplace(job);
   if (job.visible && job.volume->grid().even())
     painter.marks = marksOf(*job.visible, job.volume->grid(), job.camera, job.step_mm, images.rays.get());
+  if (painter.together()) addInsides(painter);
   if (painter.fast) {
     painter.fast->general = &*painter.general;
-    painter.kernel = fastBlendFor(*painter.fast);
+    painter.kernels = fastBlendsFor(*painter.fast);
+    for (int n = 0; painter.together() && n <= static_cast<int>(painter.insides.size()); ++n)
+      painter.fast->looks.general.push_back(painter.generalOf(n));
   }
   const int across = (images.width + kTile_px - 1) / kTile_px,
             down = (images.height + kTile_px - 1) / kTile_px;
@@ -223,6 +288,7 @@ Result<void> renderVolume(const VolumeRenderJob& job, Images& images, std::stop_
                   samples += work.samples;
                 }
               });
+  if (painter.together()) images.rays.reset();
   images.counters.samples += samples;
   if (stop.stop_requested()) return makeError(ErrorCode::Cancelled, "The volume rendering was cancelled.");
   return {};

@@ -75,6 +75,7 @@ Result<Candidate> Planner::lensedBy(const Technique& lens, std::size_t index) {
   if (!outside) return outside.error();
   context.appearances[0].accumulator = outside->accumulator;
   std::vector<Pass> inside;
+  std::vector<std::size_t> insideOf;  // the lens of each
   PlanContext bare = context;
   bare.tools.clear();  // the rays are cut at tools; whoever draws their parts sees none
   for (std::size_t n = 0; n < context.lenses.size(); ++n) {
@@ -89,15 +90,37 @@ Result<Candidate> Planner::lensedBy(const Technique& lens, std::size_t index) {
     pass->name = "inside of lens " + std::to_string(at) + ": " + pass->name;
     pass->rays = {RaysOfPass::Which::All, static_cast<std::int16_t>(n + 1)};
     inside.push_back(*std::move(pass));
+    insideOf.push_back(n);
   }
+  std::vector<const Pass*> shown(context.lenses.size(), nullptr);
+  for (std::size_t n = 0; n < inside.size(); ++n) shown[insideOf[n]] = &inside[n];
+  std::optional<Pass> all = together(*outside, shown);
+  context.together = all.has_value();
   const std::size_t first = context.lenses.front().layer;
   Result<std::vector<Pass>> own =
       guarded(lens.name, [&] { return lens.passesFor(context_.scene.layers[first], first, context); });
   if (!own) return own.error();
-  if (own->size() != 2)
-    return makeError(ErrorCode::PluginFailed, lens.name + " cuts and joins in two passes.");
+  if (own->size() != (all ? 1 : 2))
+    return makeError(ErrorCode::PluginFailed, lens.name + " cuts and joins in two passes, or cuts in one.");
   for (Pass& pass : *own) pass.technique = lens.name, pass.engine = lens.engine;
-  return lensedCandidate(lens, *std::move(own), *std::move(outside), std::move(inside));
+  if (!all) return lensedCandidate(lens, *std::move(own), *std::move(outside), std::move(inside));
+  own->push_back(*std::move(all));
+  return candidateOf(lens, *std::move(own));
+}
+
+std::optional<Pass> Planner::together(const Pass& outside, const std::vector<const Pass*>& inside) const {
+  const Technique* t = techniques_.find(outside.technique);
+  if (!t || !t->together) return std::nullopt;
+  std::vector<const Pass*> all{&outside};
+  for (const Pass* pass : inside) {
+    if (pass && pass->technique != outside.technique) return std::nullopt;
+    all.push_back(pass);
+  }
+  std::optional<Pass> pass = t->together(all);
+  if (!pass) return std::nullopt;
+  pass->technique = outside.technique, pass->engine = outside.engine;
+  pass->rays = {RaysOfPass::Which::Together, 0};
+  return pass;
 }
 
 Candidate Planner::lensedCandidate(const Technique& lens, std::vector<Pass> own, Pass outside,
@@ -116,6 +139,10 @@ Candidate Planner::lensedCandidate(const Technique& lens, std::vector<Pass> own,
     passes.push_back(std::move(rest));
   }
   passes.push_back(std::move(own[1]));
+  return candidateOf(lens, std::move(passes));
+}
+
+Candidate Planner::candidateOf(const Technique& lens, std::vector<Pass> passes) {
   Candidate c{&lens, std::move(passes), 0, 0, false};
   for (const Pass& pass : c.passes) {
     c.ms += pass.predicted_ms;

@@ -4,6 +4,7 @@
 #pragma once
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,9 @@ class Planner {
   // that is predicted to stay within the goal, else the most exact.
   Result<Pass> appearance(const Layer& layer, std::size_t index, Engine engine, const PlanContext& context);
   Result<Candidate> lensedBy(const Technique& lens, std::size_t index);
+  // All appearances by one pass, where they are of one technique that can; `inside`: null for nothing shown.
+  std::optional<Pass> together(const Pass& outside, const std::vector<const Pass*>& inside) const;
+  static Candidate candidateOf(const Technique& lens, std::vector<Pass> passes);
   static Candidate lensedCandidate(const Technique& lens, std::vector<Pass> own, Pass outside,
                                    std::vector<Pass> inside);
   void choose(std::vector<Candidate> candidates, std::size_t index, const std::string& kind);

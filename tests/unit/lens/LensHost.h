@@ -13,18 +13,23 @@ namespace vernier::test {
 
 class LensHost : public Host {
  public:
-  LensHost() {
+  // `together`: appearances are drawn together where that is possible; false: always in parts.
+  explicit LensHost(bool together = true) : together_(together) {
     EXPECT_TRUE(angiography::registerAngiography(*this).ok());
     EXPECT_TRUE(dvr::registerDvr(*this).ok());
     EXPECT_TRUE(surfaces::registerSurfaces(*this).ok());
     EXPECT_TRUE(lens::registerLens(*this).ok());
   }
-  Result<void> addTechnique(Technique t) override { return techniques_.add(std::move(t)); }
+  Result<void> addTechnique(Technique t) override {
+    if (!together_) t.together = nullptr;
+    return techniques_.add(std::move(t));
+  }
   Result<gpu::Device*> glDevice() override { return makeError(ErrorCode::GlUnavailable, "no GL here"); }
 
-  Result<Plan> plan(const Scene& scene, const View& view, const Sources& sources) const {
+  Result<Plan> plan(const Scene& scene, const View& view, const Sources& sources,
+                    QualityLevel level = QualityLevel::Reference) const {
     Quality quality;
-    quality.level = QualityLevel::Reference;
+    quality.level = level;
     quality.engine = EngineChoice::Native;
     Capabilities machine;
     machine.native = true;
@@ -38,6 +43,7 @@ class LensHost : public Host {
   }
 
  private:
+  const bool together_;
   TechniqueRegistry techniques_;
 };
 

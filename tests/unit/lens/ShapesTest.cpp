@@ -192,7 +192,7 @@ TEST(LensShapes, MovedHullsAreNotMadeAgain) {
   ASSERT_TRUE(moved.ok());
   EXPECT_NEAR(volumeOf(**moved), 8, 1e-9);
   EXPECT_EQ(cache.bytes(), once);
-  std::get<HullShape>(lens.shape).points.back() = MeshPoint(2, 3, 5);
+  std::get<HullShape>(lens.shape).points.own().back() = MeshPoint(2, 3, 5);
   const auto other = convexRegion(lens, {}, cache);
   ASSERT_TRUE(other.ok());
   EXPECT_GT(volumeOf(**other), 8.1);

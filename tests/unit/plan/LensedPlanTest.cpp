@@ -12,15 +12,23 @@ struct Fake {
   std::string name, kind;
   double ms = 1, error = 0.01;
   bool fixedFunction = false;
+  bool together = false;
 };
 
 Technique technique(const Fake& f) {
   Technique t;
   t.name = f.name, t.kinds = {f.kind}, t.drawsParts = f.kind != "lens";
-  t.passesFor = [f](const Layer&, std::size_t, const PlanContext&) -> Result<std::vector<Pass>> {
+  if (f.together)
+    t.together = [](std::span<const Pass* const> passes) -> std::optional<Pass> {
+      EXPECT_EQ(passes.size(), 2u);
+      Pass p = *passes[0];
+      p.name = passes[1] ? "both" : "one";
+      return p;
+    };
+  t.passesFor = [f](const Layer&, std::size_t, const PlanContext& context) -> Result<std::vector<Pass>> {
     Pass p;
     p.predicted_ms = f.ms, p.predictedError = f.error, p.fixedFunctionFiltering = f.fixedFunction;
-    return std::vector<Pass>(f.kind == "lens" ? 2 : 1, p);
+    return std::vector<Pass>(f.kind == "lens" && !context.together ? 2 : 1, p);
   };
   t.region = [](const LensLayer&, const Sources&) -> Result<std::shared_ptr<const ConvexRegion>> {
     return test::boxRegion({0.5, 1, -10}, {10.5, 5, 10});
@@ -29,9 +37,10 @@ Technique technique(const Fake& f) {
   return t;
 }
 
-Result<Plan> planned(QualityLevel level, const std::vector<Fake>& fakes) {
+Result<Plan> planned(QualityLevel level, const std::vector<Fake>& fakes,
+                     test::algebra::Kind inside = test::algebra::Kind::Blend) {
   using namespace test::algebra;
-  const Case c = makeCase(Kind::Blend, Kind::Blend, With::Nothing, fourVoxels());
+  const Case c = makeCase(Kind::Blend, inside, With::Nothing, fourVoxels());
   TechniqueRegistry r;
   for (const Fake& f : fakes) EXPECT_TRUE(r.add(technique(f)).ok());
   Quality q;
@@ -51,6 +60,24 @@ TEST(LensedPlan, CutFirstOutsideInsideOutsideBehindJoin) {
   EXPECT_EQ(plan->passes[1].rays, (RaysOfPass{Which::First, 0}));
   EXPECT_EQ(plan->passes[2].rays, (RaysOfPass{Which::All, 1}));
   EXPECT_EQ(plan->passes[3].rays, (RaysOfPass{Which::Rest, 0}));
+}
+
+TEST(LensedPlan, AppearancesOfOneTechniqueThatCanAreDrawnTogether) {
+  using test::algebra::Kind;
+  const Fake able{"a", "volume", 1, 0.01, false, true}, iso{"b", "isosurface", 1, 0.01, false, true};
+  for (const Kind inside : {Kind::Blend, Kind::CutOut}) {
+    const auto plan = planned(QualityLevel::Review, {kLens, able}, inside);
+    ASSERT_TRUE(plan.ok()) << plan.error().text();
+    ASSERT_EQ(plan->passes.size(), 2u);
+    EXPECT_EQ(plan->passes[0].technique, "lens.native");
+    EXPECT_EQ(plan->passes[1].technique, "a");
+    EXPECT_EQ(plan->passes[1].name, inside == Kind::Blend ? "both" : "one");
+    EXPECT_EQ(plan->passes[1].rays, (RaysOfPass{RaysOfPass::Which::Together, 0}));
+  }
+  // Of two techniques, or of one that cannot: in parts.
+  const auto two = planned(QualityLevel::Review, {kLens, able, iso}, Kind::Iso);
+  ASSERT_TRUE(two.ok()) << two.error().text();
+  EXPECT_EQ(two->passes.size(), 5u);
 }
 
 TEST(LensedPlan, AnAppearanceIsDrawnByTheCheapestThatFits) {

@@ -39,11 +39,13 @@ class VERNIER_API DerivedCache {
   template <class T>
   Result<std::shared_ptr<const T>> get(const Key& key, const std::function<Result<Made<T>>()>& make) {
     if (std::shared_ptr<const void> hit = find(key)) return std::static_pointer_cast<const T>(hit);
-    Result<Made<T>> made = make();
-    if (!made) return made.error();
-    return std::static_pointer_cast<const T>(insert(key, made->value, made->bytes));
+    Result<Made<T>> fresh = make();
+    if (!fresh) return fresh.error();
+    return std::static_pointer_cast<const T>(insert(key, fresh->value, fresh->bytes));
   }
   std::uint64_t bytes() const;
+  // How often something was made because it was not there, for as long as the cache lives; for tests.
+  std::uint64_t made() const;
   std::uint64_t limit() const { return limit_; }
 
  private:
@@ -57,7 +59,7 @@ class VERNIER_API DerivedCache {
 
   mutable std::mutex mutex_;
   std::uint64_t limit_;
-  std::uint64_t bytes_ = 0;
+  std::uint64_t bytes_ = 0, made_ = 0;
   std::list<Entry> entries_;  // most recently used first
   std::map<Key, std::list<Entry>::iterator> index_;
 };

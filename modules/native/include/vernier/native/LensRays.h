@@ -5,7 +5,8 @@
 //
 // Where a ray enters and leaves a lens is computed in double: against all faces up to kAnalyticFacets of
 // them, above that against the two faces that the rasteriser finds on the pixel (edge functions in double).
-// Both give the same intervals; those of the parts are rounded to float.
+// Both give the same intervals; those of the parts are rounded to float. Depth along the camera's axis, or 1
+// / that in perspective, changes evenly over the picture along a face: a pixel costs a division, no ray.
 //
 // Frames: Pixel (centres at half-integers, row 0 on top), mm along the rays of CameraPicture. Threads: rows
 // by parallelFor, the same bits for any number of them. The stop token is read once per row. Errors:
@@ -23,7 +24,7 @@ namespace vernier::native {
 
 inline constexpr std::size_t kAnalyticFacets = 16;
 
-struct LensSpans;
+using vernier::LensSpans;
 struct LensRaysJob {
   CameraPicture camera;
   std::vector<HalfSpace> region;                            // keptRegion()
@@ -32,21 +33,21 @@ struct LensRaysJob {
   const std::vector<LensSpans>* known = nullptr;            // of each lens; null: they are found here
 };
 
-// Where the lines of all pixels enter and leave one lens, mm; empty (entry > exit) where they miss it. Lines,
-// not rays: a lens around the eye is entered at a negative distance.
-struct LensSpans {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // pixels outside [x0, x1) x [y0, y1) miss the lens
-  std::vector<RaySpan> spans;          // of those inside, row by row
-};
 VERNIER_API LensSpans lensSpans(const ConvexRegion&, const CameraPicture&, bool rasterised);
 
 // Makes images.rays anew. Nothing else of the images is touched.
 VERNIER_API Result<void> cutRays(const LensRaysJob&, Images&, std::stop_token = {});
+// The same for appearances drawn together: RayIntervals::lenses. Region and tools are theirs who draw.
+VERNIER_API Result<void> markLenses(const LensRaysJob&, Images&, std::stop_token = {});
 
 struct JoinJob {
   std::vector<Accumulator> accumulators;  // of each appearance
   // Sum: what the appearance adds up lies over the scene's background (projections), or over black (shells).
   std::vector<bool> overBackground;
+  // Max of shells, of each appearance; absent: black, and no. What is shown at least where no tool ends the
+  // ray (beta0 phi0), and whether an opaque tool is not seen behind what has been gathered.
+  std::vector<glm::dvec3> least;
+  std::vector<bool> replaces;
   glm::dvec3 background{0};
 };
 // Writes colour and depth of the pixels that meet a lens, and takes images.rays away.

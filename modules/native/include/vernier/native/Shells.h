@@ -14,8 +14,8 @@
 //
 // In a picture with lenses (Images::rays, plan/RayIntervals.h) rays that meet none are drawn so, where
 // ShellsJob::rays says it. Of the others the crossings of each part of its appearance are taken; where a lens
-// face cuts shells open they are capped as above, but not where a tool ends the part. Max and Sum gather over
-// all parts, dimmed by their weights; Lit shells end the light of a part.
+// face cuts shells open they are capped as above, but not where a tool ends the part or the same shells go
+// on. Max and Sum gather over all parts, dimmed by their weights; Lit shells end the light of a part.
 //
 // Pixels are sampled at their centres in double (Surfaces.h), spread over tiles with parallelFor: the same
 // bits for any number of threads. Checks the stop token per tile (Cancelled). OutOfMemory by guarded()
@@ -54,6 +54,9 @@ struct ShellsJob {
   std::vector<PlacedSurface> tools;
   RaysOfPass rays;                                          // of a picture with lenses: what is drawn of it
   std::vector<std::shared_ptr<const ConvexRegion>> lenses;  // for the light on Lit caps
+  // Of each appearance of that picture: it shows the same level sets, and they go on through the lens's face,
+  // which cuts nothing open there.
+  std::vector<bool> goesOn;
 
   double brightness(double phi, double depth_mm) const {
     const double z = ramp.at(std::clamp(depth_mm, ramp.near_mm, ramp.far_mm));

@@ -51,6 +51,15 @@ VERNIER_API std::uint64_t bytesOf(const VisibleBricks&);
 // Early termination leaves out at most this share of the light: 0.26 and 0.026 levels of 255.
 inline constexpr double kReviewLeastLight = 1e-3, kReferenceLeastLight = 1e-4;
 
+inline constexpr std::size_t kMostInsides = 8;
+// What a lens shows of the same volume, by the same rules, where appearances are drawn together.
+struct VolumeInside {
+  const VisibleBricks* visible = nullptr;
+  const TransferFunction* function = nullptr;  // null: nothing
+  const TransferTable* table = nullptr;
+  const PreIntegratedTable* preIntegrated = nullptr;
+};
+
 struct VolumeRenderJob {
   const Volume* volume = nullptr;
   const VisibleBricks* visible = nullptr;    // of Blend; null: nothing is left out
@@ -74,16 +83,18 @@ struct VolumeRenderJob {
   Rgb background;
   const SurfaceHits* tools = nullptr;  // of the same camera; null: none
   RaysOfPass rays;                     // of Blend, where the images have rays that are cut at lenses
+  std::vector<VolumeInside> insides;   // of rays with Together: of each lens of images.rays
 };
 
 // True when the SIMD kernel will draw the job; for cost models and tests.
 VERNIER_API bool rendersFast(const VolumeRenderJob&);
 
-// Where images.rays is set, rays that meet a lens are left to their parts (RayIntervals.h), of which the job
-// draws those that `rays` names, and pixels are written only if it draws plain rays.
-// Fills colour and depth (mm along the ray: where the accumulated opacity passes 0.5, within the step by its
-// extinction; Max and Min: where the extremum lies; kNothing_mm where neither is). Writes every pixel. Adds
-// samples to the counters.
+// Where images.rays is set and all appearances are drawn together, samples are read once, where they are
+// without lenses, whatever the lenses show; images.rays is taken away. Else rays that meet a lens are left to
+// their parts (RayIntervals.h), of which the job draws those that `rays` names, and pixels are written only
+// if it draws plain rays. Fills colour and depth (mm along the ray: where the accumulated opacity passes 0.5,
+// within the step by its extinction; Max and Min: where the extremum lies; kNothing_mm where neither is).
+// Writes every pixel. Adds samples to the counters.
 VERNIER_API Result<void> renderVolume(const VolumeRenderJob&, Images&, std::stop_token = {});
 
 }  // namespace vernier::native

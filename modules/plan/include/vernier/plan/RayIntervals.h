@@ -12,13 +12,21 @@
 //
 // Joining (Accumulator): ordered parts and tools go front to back, C += T c, T *= t. Commuting ones have been
 // gathered by their pass over all parts of their appearance on the ray, each weighted by what the tools
-// before it let through, and stand in the first of them. They are the background of the ordered ones:
+// before it let through, and stand in the first of them; of Attenuation each part says what it lets through,
+// unweighted, and what reaches the eye of a tool is weakened by the parts before it. They are the background
+// of the ordered ones:
 //   C + S * K, S the product of t over ordered parts alone, K of the gathered ones with E, what ends the ray
 //   (an opaque tool's colour, else 0), after W, what all tools let through:
-//   Max: max(all, W E) in each channel; Min: max(least of all, W E); Mean and other mixtures: the last in the
-//   scene's order, max(that, W E); Sum: sum of all + W E (E the background without a tool);
+//   Max: max(all, W E) in each channel, without a tool max(all, W times the least of shells); where shells
+//   that replace an opaque tool are covered, E = 0; Min: max(least of all, W E); Mean and other mixtures: the
+//   last in the scene's order, max(that, W E); Sum: sum of all + W E (E the background without a tool);
 //   Attenuation: product of all times W E (E = 1 without a tool).
-// Without any covered: C + T E, E the scene's background without a tool.
+// Without any covered: C + T E, E the scene's background without a tool, or the least of shells outside where
+// that is brighter.
+//
+// Appearances drawn together (RaysOfPass::Together): where all of them are ordered and one pass can draw
+// them in one walk along each ray, rays are not cut into parts. That pass is told where the lines of all
+// pixels enter and leave each lens, changes the appearance there, and writes the whole picture.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -52,10 +60,30 @@ struct RaySegment {
   bool hasDepth = false;
 };
 
+// mm along a ray from the lattice's origin. Empty: entry > exit.
+struct RaySpan {
+  double entry_mm = 0, exit_mm = -1;
+  bool empty() const { return !(entry_mm <= exit_mm); }
+};
+
+// Where the lines of all pixels enter and leave one lens, mm; empty (entry > exit) where they miss it. Lines,
+// not rays: a lens around the eye is entered at a negative distance.
+struct LensSpans {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // pixels outside [x0, x1) x [y0, y1) miss the lens
+  std::vector<RaySpan> spans;          // of those inside, row by row
+  // Null where no pixel has an entry.
+  const RaySpan* at(int x, int y) const {
+    if (x < x0 || x >= x1 || y < y0 || y >= y1) return nullptr;
+    return spans.data() + static_cast<std::ptrdiff_t>(y - y0) * (x1 - x0) + (x - x0);
+  }
+};
+
 struct VERNIER_API RayIntervals {
   int width = 0, height = 0;
   std::vector<std::uint32_t> first;  // of each pixel, one more than there are pixels; row 0 on top
   std::vector<RaySegment> segments;  // nearest first
+  // Of appearances drawn together, instead of parts: of each lens, in the scene's order.
+  std::vector<LensSpans> lenses;
   // What the passes of one appearance make once and use again, by a number that says what it is made of and
   // the step; theirs alone.
   std::map<std::pair<std::uint64_t, double>, std::shared_ptr<const void>> shared;
@@ -75,7 +103,8 @@ struct VERNIER_API RayIntervals {
 struct RaysOfPass {
   // Plain: every ray, there are no lenses. First: the appearance's first part on each ray. Rest: its other
   // parts. All: all of them. Who draws appearance 0, but for its rest, draws the rays that meet no lens too.
-  enum class Which { Plain, First, Rest, All };
+  // Together: every ray, with all appearances on it.
+  enum class Which { Plain, First, Rest, All, Together };
   Which which = Which::Plain;
   std::int16_t appearance = 0;
   friend bool operator==(const RaysOfPass&, const RaysOfPass&) = default;

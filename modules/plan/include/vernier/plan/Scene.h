@@ -13,6 +13,7 @@
 #include "vernier/base/HalfSpace.h"
 #include "vernier/volume/Mesh.h"
 #include "vernier/volume/Sampling.h"
+#include "vernier/volume/SharedPoints.h"
 #include "vernier/volume/TransferFunction.h"
 #include "vernier/volume/Voi.h"
 
@@ -239,7 +240,7 @@ struct ConeShape {
   friend bool operator==(const ConeShape&, const ConeShape&) = default;
 };
 struct HullShape {
-  std::vector<MeshPoint> points;  // the convex hull of them
+  SharedPoints points;  // the convex hull of them
   friend bool operator==(const HullShape&, const HullShape&) = default;
 };
 struct MeshShape {

@@ -5,6 +5,8 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -65,6 +67,8 @@ struct PlanContext {
     bool empty = false;
   };
   std::vector<Appearance> appearances = {};
+  // For techniques of kind "lens": one pass of another technique draws all appearances together.
+  bool together = false;
 };
 
 // What a layer shows at a point of the picture (pixels, centres at half-integers), in double, over what lies
@@ -85,10 +89,14 @@ struct Technique {
   // It can draw parts of rays (RayIntervals.h), whole appearances of a picture with lenses: its one pass of
   // a layer obeys Pass::rays.
   bool drawsParts = false;
+  // Of passes of this technique that draw the outside (the first) and what each lens shows (null: nothing),
+  // one that draws them together, RaysOfPass::Together; nullopt where there is none. Absent: never. Pure.
+  std::function<std::optional<Pass>(std::span<const Pass* const>)> together;
   // Slices: passesFor looks at PlanContext::lenses and draws them.
   bool drawsLenses = false;
   // Of kind "lens" only: the lens's faces in the patient. passesFor then gives two passes, which cut the rays
-  // of the picture and join their parts. SceneInvalid for a shape without volume, with the reason. Pure.
+  // of the picture and join their parts; where appearances are drawn together one, which finds
+  // RayIntervals::lenses. SceneInvalid for a shape without volume, with the reason. Pure.
   std::function<Result<std::shared_ptr<const ConvexRegion>>(const LensLayer&, const Sources&)> region;
   // For layers of a plugin's own kinds, which module quality does not know: the truth that the picture's
   // error is measured against. Absent: a picture with such a layer carries no error, and says so. Pure.

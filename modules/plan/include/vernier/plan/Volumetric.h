@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "vernier/plan/CameraPicture.h"
+#include "vernier/plan/RayIntervals.h"
 #include "vernier/plan/Technique.h"
 #include "vernier/volume/Volume.h"
 
@@ -19,12 +20,7 @@ namespace vernier {
 // inside.
 VERNIER_API Result<std::vector<HalfSpace>> keptRegion(const Scene&, const GridGeometry&);
 
-// The part of a ray inside all half-spaces and beyond the camera's near distance, mm along the ray from the
-// lattice's origin. Empty: entry > exit.
-struct RaySpan {
-  double entry_mm = 0, exit_mm = -1;
-  bool empty() const { return !(entry_mm <= exit_mm); }
-};
+// The part of a ray inside all half-spaces and beyond the camera's near distance.
 VERNIER_API RaySpan spanOf(const PatientRay&, const std::vector<HalfSpace>&, double nearAlongRay_mm);
 
 // z' of the depth cue, 1 at the near end and 0 at the far end of the volume's box of voxel centres as this
