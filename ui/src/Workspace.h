@@ -168,6 +168,8 @@ class Workspace {
 
   // True while two shown tiles are of different people.
   bool differentPeople() const;
+  // ... and all of them have one Patient ID: birth date or sex tell them apart.
+  bool differentPeopleOfOneId() const;
 
  private:
   Arrangement& edit(Gesture, int t);
