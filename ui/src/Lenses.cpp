@@ -31,10 +31,10 @@ double sphereRadius_mm(const LensLayer& lens) {
 
 }  // namespace
 
-std::vector<LensLook> lensLooks(const WindowFacts& facts, bool colour) {
+std::vector<LensLook> lensLooks(const WindowFacts& facts) {
   std::vector<LensLook> all;
   const LensLook inverted{"Inverted", SliceLook{Interpolation::Linear, std::nullopt, true}};
-  if (!colour && facts.unit == "HU") {
+  if (facts.unit == "HU") {
     const std::vector<WindowChoice> choices = windowChoices(facts);
     for (const char* name : {"Bone", "Lung", "Brain", "Abdomen"})
       for (const WindowChoice& c : choices)
@@ -42,7 +42,7 @@ std::vector<LensLook> lensLooks(const WindowFacts& facts, bool colour) {
   }
   const bool first = all.empty();
   if (first) all.push_back(inverted);
-  if (first && !colour)
+  if (first)
     for (const WindowChoice& c : windowChoices(facts))
       if (c.window && all.size() < 5) all.push_back(windowed(c));
   if (!first) all.push_back(inverted);

@@ -49,6 +49,7 @@ SourceFacts factsOf(const app::Session& session, app::StackChoice choice, int do
   f.modality = series.modality;
   f.why2d = stack.why2d;
   if (stack.volume3d) f.grid = stack.grid;
+  f.colour = isColour(set.instances[stack.slices.front().instance].pixels.colourSpace());
   for (std::size_t k = 0; k < stack.slices.size(); ++k) {
     const Instance& i = set.instances[stack.slices[k].instance];
     ImageFrameInfo info;
@@ -83,6 +84,7 @@ SourceFacts factsOfVolumeFile(const app::Session& session, app::StackChoice choi
   f.modality = info.modality;
   f.grid = info.grid;
   f.isVolumeFile = true;
+  f.colour = info.channels > 1;
   f.linkKey = f.personKey = joined({"source", std::to_string(document), f.id.name});
   return f;
 }

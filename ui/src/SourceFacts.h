@@ -33,6 +33,7 @@ struct SourceFacts {
   std::optional<GridGeometry> grid;    // of a stack that passed 3-D validation, or of a volume file
   std::string why2d;                   // else why it did not
   bool isVolumeFile = false;           // no stored frames
+  bool colour = false;                 // its values are colours
   std::int64_t count() const { return static_cast<std::int64_t>(frames.size()); }
 };
 

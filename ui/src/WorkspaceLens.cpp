@@ -10,7 +10,8 @@ namespace vernier::ui {
 bool Workspace::showsLens(int t, std::size_t n) const {
   const SourceFacts* f = factsOfTile(t);
   const PlacedLens& lens = now_.lenses[n];
-  return f && sliceOf(tile(t).scene) && lens.linkKey == f->linkKey && lens.modality == f->modality;
+  return f && !f->colour && sliceOf(tile(t).scene) && lens.linkKey == f->linkKey &&
+         lens.modality == f->modality;
 }
 
 Scene Workspace::sceneOf(int t) const {
@@ -35,7 +36,7 @@ std::optional<std::size_t> Workspace::addLens(int t, PatientPoint middle, double
                                               const LensLook& look) {
   const SourceFacts* f = factsOfTile(t);
   const SliceLayer* slice = sliceOf(tile(t).scene);
-  if (!f || !slice || !(radius_mm > 0)) return std::nullopt;
+  if (!f || f->colour || !slice || !(radius_mm > 0)) return std::nullopt;
   LensLayer lens = lensAt(LensPreset::CutOut, *slice, middle, radius_mm);
   lens.inner = look.inner;
   Arrangement& a = edit(Gesture::Lens, -1);
