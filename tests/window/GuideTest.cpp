@@ -29,12 +29,12 @@ void moreTools(test::WindowDriver& w) {
     w.click(x, y);
   w.key(GLFW_KEY_ENTER);
   w.key(GLFW_KEY_H);
-  w.move(670, 504);
+  w.move(534, 551);
   w.button(0, true);
-  for (int n = 0; n <= 48; ++n) w.move(648 + 22 * std::cos(n * 0.1309), 504 + 22 * std::sin(n * 0.1309));
+  for (int n = 0; n <= 48; ++n) w.move(512 + 22 * std::cos(n * 0.1309), 551 + 26 * std::sin(n * 0.1309));
   w.button(0, false);
   w.key(GLFW_KEY_X);
-  w.click(700, 630);
+  w.click(656, 500);
   ASSERT_TRUE(w.settle());
   w.type("calcified pineal");
   w.key(GLFW_KEY_ENTER);
@@ -101,7 +101,7 @@ TEST(Guide, ItsPicturesOfComparingAreOfThisWindow) {
   if (!w.here()) return;
   w.open(test::study(fine, "ct-head", {"--set", "scale=0.5"}));
   w.key(GLFW_KEY_F3);
-  w.click(1030, 400);  // the empty one: what is opened now goes there
+  w.click(1030, 420);  // the empty one: what is opened now goes there
   w.open(test::headStudy(coarse));
   w.key(GLFW_KEY_1);
   w.move(1030, 400);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "MakeDicom.h"
 #include "WindowDriver.h"
@@ -16,6 +17,7 @@ using vernier::test::DicomSlice;
 // Stripes whose brightness tells the two apart.
 std::string series(const vernier::test::TempDir& dir, const std::string& name, const std::string& uid,
                    const std::vector<std::pair<std::string, std::string>>& person, int level) {
+  std::filesystem::create_directories(dir.path() / "set");
   DicomSlice s;
   s.seriesUid = uid;
   s.frameOfReferenceUid = "2.25.1003";  // one scanner's coordinates for all of them

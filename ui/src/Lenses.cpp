@@ -9,6 +9,9 @@
 namespace vernier::ui {
 namespace {
 
+// The sphere that is drawn has facets: a plane further out may miss them (8 parts of an icosahedron's edge:
+// their middles lie at 0.996).
+constexpr double kCuts = 0.995;
 constexpr double kLeast_px = 4, kLeast_mm = 0.5, kMost_mm = 500;
 
 LensLook windowed(const WindowChoice& c) {
@@ -50,6 +53,11 @@ std::vector<LensLook> lensLooks(const WindowFacts& facts) {
   return all;
 }
 
+bool cuts(const Plane& plane, const LensLayer& lens) {
+  const double away = dot(middleOf(lens) - plane.point, normalize(plane.normal));
+  return std::abs(away) < kCuts * sphereRadius_mm(lens);
+}
+
 std::optional<LensDisc> discOf(const LensLayer& lens, const Place& place) {
   if (!std::holds_alternative<SphereShape>(lens.shape) || !place.inPatient) return std::nullopt;
   LensDisc d;
@@ -57,9 +65,8 @@ std::optional<LensDisc> discOf(const LensLayer& lens, const Place& place) {
   d.centre_px = place.pixelOf(middle);
   d.away_mm = place.distance_mm(middle);
   d.sphere_mm = sphereRadius_mm(lens);
-  const double square = d.sphere_mm * d.sphere_mm - d.away_mm * d.away_mm;
-  if (!(square > 0)) return std::nullopt;
-  d.radius_px = std::sqrt(square) / place.unit_mm;
+  if (!(std::abs(d.away_mm) < kCuts * d.sphere_mm)) return std::nullopt;
+  d.radius_px = std::sqrt(d.sphere_mm * d.sphere_mm - d.away_mm * d.away_mm) / place.unit_mm;
   return d;
 }
 

@@ -18,6 +18,9 @@ struct LensLook {
 // inverted and the windows that the file and the volume offer; then inverted, cut out.
 std::vector<LensLook> lensLooks(const WindowFacts&);
 
+// Whether a plane cuts a lens that is a sphere.
+bool cuts(const Plane&, const LensLayer&);
+
 // The circle in which a picture's plane cuts a sphere; nullopt: it does not, or the lens is no sphere.
 struct LensDisc {
   glm::dvec2 centre_px{0, 0};

@@ -20,7 +20,7 @@ Scene Workspace::sceneOf(int t) const {
   if (!slice) return scene;
   const SliceLayer around = *slice;
   for (std::size_t n = 0; n < now_.lenses.size(); ++n) {
-    if (!showsLens(t, n)) continue;
+    if (!showsLens(t, n) || !cuts(around.plane, now_.lenses[n].layer)) continue;
     LensLayer lens = now_.lenses[n].layer;
     if (auto* look = std::get_if<SliceLook>(&lens.inner)) {
       look->interpolation = around.interpolation;

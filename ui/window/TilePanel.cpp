@@ -93,6 +93,7 @@ void Gui::tile(int t, Rect r) {
   const Workspace& w = desk_.workspace();
   if (w.tile(t).empty()) {
     emptyTile(area);
+    if (hovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) desk_.workspace().setActive(t);
   } else {
     picture(t, area);
     hands(t, area, hovered);
