@@ -14,12 +14,7 @@ using Json = nlohmann::ordered_json;
 
 const Patient* patientOf(const Session& session, StackChoice choice) {
   if (choice.volumeFile) return nullptr;  // volume files name no patient
-  for (const Patient& p : session.study().patients)
-    for (const std::size_t study : p.studies) {
-      const std::vector<std::size_t>& series = session.study().studies[study].series;
-      if (std::find(series.begin(), series.end(), choice.series) != series.end()) return &p;
-    }
-  return nullptr;
+  return vernier::patientOf(session.study(), *session.stackOf(choice));
 }
 
 struct Input {

@@ -3,6 +3,8 @@
 // window as it is.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "Golden.h"
 #include "WindowDriver.h"
 #include "WindowStudies.h"
@@ -12,6 +14,32 @@ namespace {
 
 void expectPicture(const char* name, test::WindowDriver& w) {
   test::expectGolden(name, w.screenshot(), "docs");
+}
+
+// Cobb angle, diameters, polygon, outline by hand and words.
+void moreTools(test::WindowDriver& w) {
+  w.key(GLFW_KEY_Y);
+  w.dragBy(500, 255, 120, -30);
+  w.dragBy(510, 300, 115, 25);
+  w.key(GLFW_KEY_D);
+  w.dragBy(600, 500, -35, 62);
+  w.dragBy(570, 520, 24, 14);
+  w.key(GLFW_KEY_O);
+  for (const auto& [x, y] : {std::pair{690, 350}, {745, 355}, {770, 410}, {745, 455}, {700, 440}})
+    w.click(x, y);
+  w.key(GLFW_KEY_ENTER);
+  w.key(GLFW_KEY_H);
+  w.move(534, 551);
+  w.button(0, true);
+  for (int n = 0; n <= 48; ++n) w.move(512 + 22 * std::cos(n * 0.1309), 551 + 26 * std::sin(n * 0.1309));
+  w.button(0, false);
+  w.key(GLFW_KEY_X);
+  w.click(656, 500);
+  ASSERT_TRUE(w.settle());
+  w.type("calcified pineal");
+  w.key(GLFW_KEY_ENTER);
+  w.move(2, 2);
+  ASSERT_TRUE(w.settle());
 }
 
 TEST(Guide, ItsPicturesAreOfThisWindow) {
@@ -39,8 +67,11 @@ TEST(Guide, ItsPicturesAreOfThisWindow) {
   w.dragBy(600, 340, 90, 60);
   w.move(2, 2);
   expectPicture("guide-measure", w);
-  w.key(GLFW_KEY_M);
   for (int n = 0; n < 3; ++n) w.key(GLFW_KEY_Z, true);
+  moreTools(w);
+  expectPicture("guide-tools", w);
+  w.key(GLFW_KEY_M);
+  for (int n = 0; n < 5; ++n) w.key(GLFW_KEY_Z, true);
 
   w.key(GLFW_KEY_F4);
   ASSERT_TRUE(w.settle());
@@ -51,6 +82,39 @@ TEST(Guide, ItsPicturesAreOfThisWindow) {
   w.move(2, 2);
   w.key(GLFW_KEY_F1);
   expectPicture("guide-help", w);
+  w.key(GLFW_KEY_F1);
+
+  w.move(600, 330);
+  w.key(GLFW_KEY_G);  // a lens
+  ASSERT_TRUE(w.settle());
+  w.key(GLFW_KEY_E);
+  w.dragBy(960, 130, 70, 50);  // across the slices
+  w.move(2, 2);
+  expectPicture("guide-lens", w);
+}
+
+// The same head in two resolutions, side by side.
+TEST(Guide, ItsPicturesOfComparingAreOfThisWindow) {
+  vernier::test::TempDir fine, coarse;
+  test::WindowDriver w;
+  if (!w.here()) return;
+  w.open(test::study(fine, "ct-head", {"--set", "scale=0.5"}));
+  w.key(GLFW_KEY_F3);
+  w.click(1030, 420);  // the empty one: what is opened now goes there
+  w.open(test::headStudy(coarse));
+  w.key(GLFW_KEY_1);
+  w.move(1030, 400);
+  w.wheel(-6);
+  w.click(550, 400);
+  w.key(GLFW_KEY_1);
+  w.wheel(-12);
+  w.key(GLFW_KEY_T);
+  w.move(2, 2);
+  ASSERT_FALSE(w.workspace().differentPeople());
+  expectPicture("guide-together", w);
+  w.key(GLFW_KEY_K);
+  w.move(560, 330);
+  expectPicture("guide-wipe", w);
 }
 
 }  // namespace

@@ -128,7 +128,7 @@ TEST(WindowLens, TheMenuPlacesItInTheMiddle) {
   ASSERT_TRUE(w.settle());
   w.click(1090, 20);  // Measure
   ASSERT_TRUE(w.settle());
-  for (double y = 60; y < 500 && w.workspace().now().lenses.empty(); y += 12) {  // down the list to it
+  for (double y = 270; y < 340 && w.workspace().now().lenses.empty(); y += 8) {  // down the list to it
     w.move(1070, y);
     ASSERT_TRUE(w.settle());
     w.click(1070, y);
@@ -159,7 +159,8 @@ TEST(WindowLens, DelTakesTheChosenOneOfLensAndMeasurement) {
   w.key(GLFW_KEY_DELETE);
   EXPECT_TRUE(w.workspace().now().measurements.empty());
   EXPECT_EQ(w.workspace().now().lenses.size(), 1u);
-  w.key(GLFW_KEY_Z, true);
+  w.key(GLFW_KEY_L);
+  w.dragBy(kX - 150, kY, 60, 0);
   w.click(kX, kY);  // the lens
   w.key(GLFW_KEY_DELETE);
   EXPECT_EQ(w.workspace().now().measurements.size(), 1u);

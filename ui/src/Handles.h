@@ -6,7 +6,7 @@
 
 namespace vernier::ui {
 
-inline constexpr std::size_t kMostGrips = 16;  // of an outline drawn by hand
+inline constexpr std::size_t kMostGrips = 10;  // of an outline drawn by hand
 
 // Of handlesOf(shape), those that are drawn and can be taken: all, of an outline drawn by hand some, evenly
 // spread.

@@ -9,6 +9,9 @@
 namespace vernier::ui {
 namespace {
 
+// The sphere that is drawn has facets: a plane further out may miss them (8 parts of an icosahedron's edge:
+// their middles lie at 0.996).
+constexpr double kCuts = 0.995;
 constexpr double kLeast_px = 4, kLeast_mm = 0.5, kMost_mm = 500;
 
 LensLook windowed(const WindowChoice& c) {
@@ -31,10 +34,10 @@ double sphereRadius_mm(const LensLayer& lens) {
 
 }  // namespace
 
-std::vector<LensLook> lensLooks(const WindowFacts& facts, bool colour) {
+std::vector<LensLook> lensLooks(const WindowFacts& facts) {
   std::vector<LensLook> all;
   const LensLook inverted{"Inverted", SliceLook{Interpolation::Linear, std::nullopt, true}};
-  if (!colour && facts.unit == "HU") {
+  if (facts.unit == "HU") {
     const std::vector<WindowChoice> choices = windowChoices(facts);
     for (const char* name : {"Bone", "Lung", "Brain", "Abdomen"})
       for (const WindowChoice& c : choices)
@@ -42,12 +45,17 @@ std::vector<LensLook> lensLooks(const WindowFacts& facts, bool colour) {
   }
   const bool first = all.empty();
   if (first) all.push_back(inverted);
-  if (first && !colour)
+  if (first)
     for (const WindowChoice& c : windowChoices(facts))
       if (c.window && all.size() < 5) all.push_back(windowed(c));
   if (!first) all.push_back(inverted);
   all.push_back({"Cut out", CutOut{}});
   return all;
+}
+
+bool cuts(const Plane& plane, const LensLayer& lens) {
+  const double away = dot(middleOf(lens) - plane.point, normalize(plane.normal));
+  return std::abs(away) < kCuts * sphereRadius_mm(lens);
 }
 
 std::optional<LensDisc> discOf(const LensLayer& lens, const Place& place) {
@@ -57,9 +65,8 @@ std::optional<LensDisc> discOf(const LensLayer& lens, const Place& place) {
   d.centre_px = place.pixelOf(middle);
   d.away_mm = place.distance_mm(middle);
   d.sphere_mm = sphereRadius_mm(lens);
-  const double square = d.sphere_mm * d.sphere_mm - d.away_mm * d.away_mm;
-  if (!(square > 0)) return std::nullopt;
-  d.radius_px = std::sqrt(square) / place.unit_mm;
+  if (!(std::abs(d.away_mm) < kCuts * d.sphere_mm)) return std::nullopt;
+  d.radius_px = std::sqrt(d.sphere_mm * d.sphere_mm - d.away_mm * d.away_mm) / place.unit_mm;
   return d;
 }
 

@@ -15,9 +15,11 @@ struct LensLook {
   LensInner inner;
 };
 // What makes sense on slices, the usual first: in HU the windows of bone, lung, brain and abdomen; else
-// inverted and the windows that the file and the volume offer; then inverted, cut out. Colours have no
-// window.
-std::vector<LensLook> lensLooks(const WindowFacts&, bool colour);
+// inverted and the windows that the file and the volume offer; then inverted, cut out.
+std::vector<LensLook> lensLooks(const WindowFacts&);
+
+// Whether a plane cuts a lens that is a sphere.
+bool cuts(const Plane&, const LensLayer&);
 
 // The circle in which a picture's plane cuts a sphere; nullopt: it does not, or the lens is no sphere.
 struct LensDisc {

@@ -6,14 +6,6 @@
 namespace vernier::ui {
 namespace {
 
-const Patient* patientOf(const StudySet& set, std::size_t series) {
-  for (const Patient& p : set.patients)
-    for (const std::size_t study : p.studies)
-      for (const std::size_t s : set.studies[study].series)
-        if (s == series) return &p;
-  return nullptr;
-}
-
 std::string joined(std::initializer_list<std::string> parts) {
   std::string all;
   for (const std::string& p : parts) all += p + '\x1f';
@@ -57,6 +49,7 @@ SourceFacts factsOf(const app::Session& session, app::StackChoice choice, int do
   f.modality = series.modality;
   f.why2d = stack.why2d;
   if (stack.volume3d) f.grid = stack.grid;
+  f.colour = isColour(set.instances[stack.slices.front().instance].pixels.colourSpace());
   for (std::size_t k = 0; k < stack.slices.size(); ++k) {
     const Instance& i = set.instances[stack.slices[k].instance];
     ImageFrameInfo info;
@@ -70,10 +63,11 @@ SourceFacts factsOf(const app::Session& session, app::StackChoice choice, int do
     f.files.push_back(std::filesystem::path(set.files[i.file].path).filename().string());
   }
   std::string id, issuer;
-  if (const Patient* p = patientOf(set, choice.series)) {
+  if (const Patient* p = patientOf(set, stack)) {
     f.patient = shownName(p->name);
     f.personKey = joined({p->id, p->issuer, p->birthDate, p->sex, p->id.empty() ? p->name : ""});
     id = p->id, issuer = p->issuer;
+    if (!id.empty()) f.idKey = joined({id, issuer});
   }
   const std::string& frame = set.instances[stack.slices.front().instance].frameOfReferenceUid;
   f.linkKey = frame.empty() ? joined({"source", std::to_string(document), f.id.name})
@@ -90,6 +84,7 @@ SourceFacts factsOfVolumeFile(const app::Session& session, app::StackChoice choi
   f.modality = info.modality;
   f.grid = info.grid;
   f.isVolumeFile = true;
+  f.colour = info.channels > 1;
   f.linkKey = f.personKey = joined({"source", std::to_string(document), f.id.name});
   return f;
 }

@@ -27,11 +27,13 @@ struct SourceFacts {
   std::string linkKey;
   // Of one person only when equal: id, issuer, birth date and sex.
   std::string personKey;
+  std::string idKey;  // Patient ID and issuer, "" without an ID: equal for one ID with two birth dates
   std::vector<ImageFrameInfo> frames;  // geometry of each image, without pixels; empty for volume files
   std::vector<std::string> files;      // last part of each image's file name
   std::optional<GridGeometry> grid;    // of a stack that passed 3-D validation, or of a volume file
   std::string why2d;                   // else why it did not
   bool isVolumeFile = false;           // no stored frames
+  bool colour = false;                 // its values are colours
   std::int64_t count() const { return static_cast<std::int64_t>(frames.size()); }
 };
 

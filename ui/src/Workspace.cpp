@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "vernier/plan/Presets.h"
 #include "vernier/volume/Voi.h"
@@ -336,6 +337,13 @@ bool Workspace::differentPeople() const {
     first = f;
   }
   return false;
+}
+
+bool Workspace::differentPeopleOfOneId() const {
+  std::set<std::string> ids;
+  for (int t : shown())
+    if (const SourceFacts* f = factsOfTile(t)) ids.insert(f->idKey);
+  return differentPeople() && ids.size() == 1 && !ids.begin()->empty();
 }
 
 std::vector<WindowChoice> windowChoices(const WindowFacts& f) {

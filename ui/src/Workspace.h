@@ -151,7 +151,8 @@ class Workspace {
   // WorkspaceLens.cpp. The tile's scene with the lenses that show in it, as it is drawn.
   Scene sceneOf(int t) const;
   bool showsLens(int t, std::size_t lens) const;
-  // A sphere about the point; nullopt where the tile shows no slice. Its place in Arrangement::lenses.
+  // A sphere about the point; nullopt where the tile shows no slice, or colours. Its place in
+  // Arrangement::lenses.
   std::optional<std::size_t> addLens(int t, PatientPoint middle, double radius_mm, const LensLook&);
   void changeLens(std::size_t lens, const LensLayer&);
   void sizeLens(std::size_t lens, double factor);  // notches one after the other are one step of undo
@@ -168,6 +169,8 @@ class Workspace {
 
   // True while two shown tiles are of different people.
   bool differentPeople() const;
+  // ... and all of them have one Patient ID: birth date or sex tell them apart.
+  bool differentPeopleOfOneId() const;
 
  private:
   Arrangement& edit(Gesture, int t);

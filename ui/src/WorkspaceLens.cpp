@@ -10,7 +10,8 @@ namespace vernier::ui {
 bool Workspace::showsLens(int t, std::size_t n) const {
   const SourceFacts* f = factsOfTile(t);
   const PlacedLens& lens = now_.lenses[n];
-  return f && sliceOf(tile(t).scene) && lens.linkKey == f->linkKey && lens.modality == f->modality;
+  return f && !f->colour && sliceOf(tile(t).scene) && lens.linkKey == f->linkKey &&
+         lens.modality == f->modality;
 }
 
 Scene Workspace::sceneOf(int t) const {
@@ -19,7 +20,7 @@ Scene Workspace::sceneOf(int t) const {
   if (!slice) return scene;
   const SliceLayer around = *slice;
   for (std::size_t n = 0; n < now_.lenses.size(); ++n) {
-    if (!showsLens(t, n)) continue;
+    if (!showsLens(t, n) || !cuts(around.plane, now_.lenses[n].layer)) continue;
     LensLayer lens = now_.lenses[n].layer;
     if (auto* look = std::get_if<SliceLook>(&lens.inner)) {
       look->interpolation = around.interpolation;
@@ -35,7 +36,7 @@ std::optional<std::size_t> Workspace::addLens(int t, PatientPoint middle, double
                                               const LensLook& look) {
   const SourceFacts* f = factsOfTile(t);
   const SliceLayer* slice = sliceOf(tile(t).scene);
-  if (!f || !slice || !(radius_mm > 0)) return std::nullopt;
+  if (!f || f->colour || !slice || !(radius_mm > 0)) return std::nullopt;
   LensLayer lens = lensAt(LensPreset::CutOut, *slice, middle, radius_mm);
   lens.inner = look.inner;
   Arrangement& a = edit(Gesture::Lens, -1);

@@ -33,6 +33,12 @@ std::vector<const Finding*> findingsOf(const Series& series, const Stack& stack)
   return all;
 }
 
+// Of what has no images: the first object says whose the series is.
+bool ofPatient(const StudySet& set, const Series& series, const Patient& p) {
+  return series.instances.empty() || set.instances[series.instances.front()].patient >= set.patients.size() ||
+         &set.patients[set.instances[series.instances.front()].patient] == &p;
+}
+
 std::string counted(std::size_t n, const char* one) {
   return std::to_string(n) + " " + one + (n == 1 ? "" : "s");
 }
@@ -102,9 +108,10 @@ void Gui::document(Document& d) {
       ImGui::TextUnformatted(joined({shownDate(study.date), study.description}, "  ").c_str());
       for (const std::size_t s : study.series) {
         const Series& series = set.series[s];
-        if (series.stacks.empty()) objects(set, series);
+        if (series.stacks.empty() && ofPatient(set, series, p)) objects(set, series);
         for (std::size_t k = 0; k < series.stacks.size(); ++k) {
           const Stack& stack = series.stacks[k];
+          if (patientOf(set, stack) && patientOf(set, stack) != &p) continue;  // a study of several patients
           const std::string title =
               joined({series.description.empty()
                           ? "Series " + (series.number ? std::to_string(*series.number) : "without number")

@@ -15,7 +15,11 @@ bool Gui::mayLayOver() {
   if (w.shown().size() != 2 || w.tile(0).empty() || w.tile(1).empty())
     why_ = "Wipe and flicker need two pictures side by side (F3).";
   else if (w.differentPeople())
-    why_ = "These pictures are not of one person, so they are not laid on each other.";
+    why_ = w.differentPeopleOfOneId()
+               ? "These pictures have one Patient ID but another birth date or sex, so they are not laid on "
+                 "each "
+                 "other; check whose they are."
+               : "These pictures are not of one person, so they are not laid on each other.";
   else
     return true;
   return false;

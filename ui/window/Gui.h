@@ -103,6 +103,7 @@ class Gui {
   void offerSnap(const Drawn&, int t, Rect);
   void drawMeasurement(const measure::Measurement&, const Place&, Rect, bool selected,
                        const std::string& label);
+  Rect freeOfLabels(Rect below, Rect above, Rect left) const;
   std::optional<Grip> gripAt(int t, Rect) const;
   glm::dvec2 pixelUnderPointer(Rect) const;
   // LensTools.cpp
@@ -180,7 +181,8 @@ class Gui {
     Rect box;
   };
   std::optional<Offer> offer_;
-  Rect labelBox_;  // of the measurement drawn last
+  Rect labelBox_;             // of the measurement drawn last
+  std::vector<Rect> labels_;  // of the picture that is being drawn
   std::vector<std::pair<double, double>> way_;
   std::optional<Grip> grip_;
   std::array<Rect, kTiles> tileArea_{};  // of the pictures, as drawn last

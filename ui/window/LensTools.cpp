@@ -59,12 +59,15 @@ void Gui::putLens(int t, glm::dvec2 px) {
     why_ = "A lens looks into reformats; MPR (F4) shows them.";
     return;
   }
+  if (w.factsOfTile(t)->colour) {
+    why_ = "This picture has colours, and lenses are drawn in grey values only.";
+    return;
+  }
   if (const Result<void> may = desk_.mayLens(w.tile(t).source.document); !may) {
     why_ = may.error().sentence;
     return;
   }
-  const std::vector<LensLook> looks =
-      lensLooks(shown.picture->windowFacts, shown.picture->volume->isColour());
+  const std::vector<LensLook> looks = lensLooks(shown.picture->windowFacts);
   selected_.clear();
   if (const auto under = lensAt(t, px)) {
     const auto now = std::find_if(looks.begin(), looks.end(), [&](const LensLook& l) {

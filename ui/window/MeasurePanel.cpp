@@ -12,6 +12,9 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowF
 
 std::string titleOf(const measure::Measurement& m, int number) {
   std::string kind = measure::kindOf(m.shape);
+  if (std::holds_alternative<measure::Cobb>(m.shape)) kind = "cobb angle";
+  if (std::holds_alternative<measure::Bidirectional>(m.shape)) kind = "diameters";
+  if (std::holds_alternative<measure::FreehandRegion>(m.shape)) kind = "outline by hand";
   kind[0] = static_cast<char>(kind[0] - 32);
   return std::to_string(number) + "  " + (m.label.empty() ? kind : m.label);
 }

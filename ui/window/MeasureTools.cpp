@@ -121,6 +121,16 @@ void Gui::dragHandle() {
   grip_.reset();
 }
 
+// The first of the places that covers no label of this picture; the first one when all do.
+Gui::Rect Gui::freeOfLabels(Rect below, Rect above, Rect left) const {
+  for (const Rect& b : {below, above, left})
+    if (std::none_of(labels_.begin(), labels_.end(), [&](const Rect& o) {
+          return b.x < o.x + o.w && o.x < b.x + b.w && b.y < o.y + o.h && o.y < b.y + b.h;
+        }))
+      return b;
+  return below;
+}
+
 void Gui::drawMeasurement(const measure::Measurement& m, const Place& place, Rect r, bool selected,
                           const std::string& label) {
   ImDrawList* draw = ImGui::GetWindowDrawList();
@@ -146,14 +156,24 @@ void Gui::drawMeasurement(const measure::Measurement& m, const Place& place, Rec
   }
   if (label.empty()) return;
   const ImVec2 size = theme_.small->CalcTextSizeA(theme_.small->FontSize, 1e6f, 0, label.c_str());
-  const ImVec2 by = at(labelAt(m));
+  ImVec2 by = at(labelAt(m));
+  if (std::holds_alternative<measure::PolygonRegion>(m.shape) ||
+      std::holds_alternative<measure::FreehandRegion>(m.shape))
+    for (const measure::Spot& s : handles)  // beside the outline, not upon it
+      if (const ImVec2 p = at(s); p.x + p.y > by.x + by.y) by = p;
   const float pad = theme_.px(3), away = theme_.px(9);
-  const float x = std::clamp(by.x + away, r.x + pad, std::max(r.x + pad, r.x + r.w - size.x - pad));
-  const float y = std::clamp(by.y + away, r.y + pad, std::max(r.y + pad, r.y + r.h - size.y - pad));
+  const auto inside = [&](float x, float y) {
+    return Rect{std::clamp(x, r.x + pad, std::max(r.x + pad, r.x + r.w - size.x - pad)) - pad,
+                std::clamp(y, r.y + pad, std::max(r.y + pad, r.y + r.h - size.y - pad)) - pad,
+                size.x + 2 * pad, size.y + 2 * pad};
+  };
+  labelBox_ = freeOfLabels(inside(by.x + away, by.y + away), inside(by.x + away, by.y - away - size.y),
+                           inside(by.x - away - size.x, by.y + away));
+  labels_.push_back(labelBox_);
+  const float x = labelBox_.x + pad, y = labelBox_.y + pad;
   draw->AddRectFilled({x - pad, y - pad}, {x + size.x + pad, y + size.y + pad}, IM_COL32(0, 0, 0, 150),
                       theme_.px(3));
   draw->AddText(theme_.small, theme_.small->FontSize, {x, y}, c, label.c_str());
-  labelBox_ = {x - pad, y - pad, size.x + 2 * pad, size.y + 2 * pad};
 }
 
 // Below the label, above it where there is no room: a region on interpolated values may go to stored ones.
@@ -177,6 +197,7 @@ void Gui::offerSnap(const Drawn& d, int t, Rect r) {
 void Gui::measurements(int t, Rect r) {
   tileArea_[static_cast<std::size_t>(t)] = r;
   if (offer_ && offer_->tile == t) offer_.reset();
+  labels_.clear();
   const TileView& shown = desk_.tileView(t);
   const Workspace& w = desk_.workspace();
   const SourceFacts* facts = w.factsOfTile(t);

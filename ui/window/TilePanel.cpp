@@ -41,7 +41,9 @@ void Gui::tiles(Rect r) {
     const float band = theme_.px(kRedBand);
     ImDrawList* draw = ImGui::GetWindowDrawList();
     draw->AddRectFilled({r.x, r.y}, {r.x + r.w, r.y + band}, colour::kRedBand);
-    const char* text = "DIFFERENT PATIENTS: these pictures are not of one person";
+    const char* text = w.differentPeopleOfOneId()
+                           ? "ONE PATIENT ID, BUT NOT ONE BIRTH DATE AND SEX: take these for two people"
+                           : "DIFFERENT PATIENTS: these pictures are not of one person";
     const ImVec2 size = ImGui::CalcTextSize(text);
     draw->AddText({r.x + (r.w - size.x) / 2, r.y + (band - size.y) / 2}, IM_COL32_WHITE, text);
     r.y += band, r.h -= band;
@@ -91,6 +93,7 @@ void Gui::tile(int t, Rect r) {
   const Workspace& w = desk_.workspace();
   if (w.tile(t).empty()) {
     emptyTile(area);
+    if (hovered && ImGui::IsMouseClicked(ImGuiMouseButton_Left)) desk_.workspace().setActive(t);
   } else {
     picture(t, area);
     hands(t, area, hovered);

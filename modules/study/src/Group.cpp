@@ -37,6 +37,29 @@ void fillPatient(const Record& r, Patient& p) {
   p.sex = r.sex;
 }
 
+std::string idKey(const Record& r) { return r.issuer + "\x01" + r.patientId; }
+
+// What is stated of one Patient ID; what is absent is not another value.
+struct Stated {
+  std::set<std::string> birthDates, sexes;
+  bool ofSeveral() const { return birthDates.size() > 1 || sexes.size() > 1; }
+};
+std::map<std::string, Stated> statedOfIds(const std::vector<Record>& records) {
+  std::map<std::string, Stated> out;
+  for (const Record& r : records) {
+    if (r.patientId.empty()) continue;
+    Stated& s = out[idKey(r)];
+    if (!r.birthDate.empty()) s.birthDates.insert(r.birthDate);
+    if (!r.sex.empty()) s.sexes.insert(r.sex);
+  }
+  return out;
+}
+
+void completePatient(const Record& r, Patient& p) {
+  if (p.birthDate.empty()) p.birthDate = r.birthDate;
+  if (p.sex.empty()) p.sex = r.sex;
+}
+
 }  // namespace
 
 Grouping groupRecords(std::vector<Record>& records) {
@@ -44,14 +67,18 @@ Grouping groupRecords(std::vector<Record>& records) {
   std::map<std::string, std::size_t> patientOf, studyOf;
   std::map<std::pair<std::string, std::string>, std::size_t> seriesOf;
   std::map<std::string, std::set<std::string>> studiesOfSeriesUid, patientsOfStudy;
+  const std::map<std::string, Stated> stated = statedOfIds(records);
   for (std::size_t n = 0; n < records.size(); ++n) {
     Record& r = records[n];
     const std::string studyKey = orElse(r.studyUid, n);
     const std::string seriesKey = orElse(r.seriesUid, n);
-    const std::string patientKey = r.patientId.empty() ? "\x02" + studyKey : r.issuer + "\x01" + r.patientId;
+    std::string patientKey = r.patientId.empty() ? "\x02" + studyKey : idKey(r);
+    const bool several = !r.patientId.empty() && stated.at(patientKey).ofSeveral();
+    if (several) patientKey += "\x01" + r.birthDate + "\x01" + r.sex;
 
     const auto [p, newPatient] = patientOf.try_emplace(patientKey, out.patients.size());
     if (newPatient) fillPatient(r, out.patients.emplace_back());
+    if (!several) completePatient(r, out.patients[p->second]);
     const auto [st, newStudy] = studyOf.try_emplace(studyKey, out.studies.size());
     if (newStudy) fillStudy(r, out.studies.emplace_back());
     const auto [se, newSeries] = seriesOf.try_emplace({studyKey, seriesKey}, out.series.size());
@@ -61,7 +88,7 @@ Grouping groupRecords(std::vector<Record>& records) {
     }
     auto& studies = out.patients[p->second].studies;
     if (std::find(studies.begin(), studies.end(), st->second) == studies.end()) studies.push_back(st->second);
-    r.instance.series = se->second;
+    r.instance.series = se->second, r.instance.patient = p->second;
     out.series[se->second].instances.push_back(n);
     if (!r.seriesUid.empty()) studiesOfSeriesUid[r.seriesUid].insert(studyKey);
     patientsOfStudy[studyKey].insert(patientKey);
@@ -78,8 +105,16 @@ Grouping groupRecords(std::vector<Record>& records) {
       out.findings.push_back({"study-of-several-patients",
                               Severity::Warning,
                               "One study holds objects of " + std::to_string(patients.size()) +
-                                  " Patient IDs; their images are never mixed in one stack.",
+                                  " patients; their images are never mixed in one stack.",
                               {{"study", study}, {"patients", static_cast<double>(patients.size())}}});
+  for (const auto& [id, s] : stated)
+    if (s.ofSeveral())
+      out.findings.push_back({"patient-id-of-several-people",
+                              Severity::Warning,
+                              "One Patient ID stands with several birth dates or sexes; these are listed as "
+                              "different patients and not compared with each other.",
+                              {{"birth_dates", static_cast<double>(s.birthDates.size())},
+                               {"sexes", static_cast<double>(s.sexes.size())}}});
   return out;
 }
 

@@ -68,7 +68,8 @@ std::vector<SplitKey> makeSplitKeys() {
   return {
       {"patient", [](const FrameView&) { return std::string("differs"); },
        [](const FrameView& a, const FrameView& b) {
-         return a.record->patientId == b.record->patientId && a.record->issuer == b.record->issuer;
+         return a.record->patientId == b.record->patientId && a.record->issuer == b.record->issuer &&
+                a.record->instance.patient == b.record->instance.patient;
        }},
       textKey("SOP class", [](const FrameView& v) { return v.record->instance.sopClassName; }),
       textKey("size",

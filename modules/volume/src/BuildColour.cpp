@@ -169,7 +169,7 @@ class ColourBuilder {
     info.studyUid = series_.studyUid;
     info.frameOfReferenceUid = m.frameOfReferenceUid;
     info.title = series_.description;
-    info.patientKey = patientKey(set_, series_);
+    info.patientKey = patientKey(set_, stack_);
     info.findings = stack_.findings;
     if (!failed_.empty()) info.findings.push_back(lostSlices(stack_, failed_));
     if (options_.bridgeGaps && !info.grid.gapAfter.empty()) {

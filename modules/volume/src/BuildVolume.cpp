@@ -186,7 +186,7 @@ class Builder {
     info_.studyUid = series_.studyUid;
     info_.frameOfReferenceUid = m.frameOfReferenceUid;
     info_.title = series_.description;
-    info_.patientKey = patientKey(set_, series_);
+    info_.patientKey = patientKey(set_, stack_);
     info_.findings.insert(info_.findings.begin(), stack_.findings.begin(), stack_.findings.end());
     if (options_.bridgeGaps && !info_.grid.gapAfter.empty()) {
       info_.grid.gapAfter.clear();

@@ -131,16 +131,9 @@ Finding lostSlices(const Stack& stack, const std::vector<SliceFailure>& failed) 
   return f;
 }
 
-std::string patientKey(const StudySet& set, const Series& series) {
-  for (const Patient& p : set.patients)
-    for (const std::size_t study : p.studies) {
-      if (study >= set.studies.size()) continue;
-      for (const std::size_t s : set.studies[study].series)
-        if (s < set.series.size() && set.series[s].seriesUid == series.seriesUid &&
-            set.series[s].studyUid == series.studyUid)
-          return p.id.empty() ? std::string() : p.id + '\x1f' + p.issuer;
-    }
-  return {};
+std::string patientKey(const StudySet& set, const Stack& stack) {
+  const Patient* p = patientOf(set, stack);
+  return !p || p->id.empty() ? std::string() : p->id + '\x1f' + p->issuer;
 }
 
 std::vector<VoiWindow> windowsOf(const FrameAttributes& frame, std::vector<Finding>& findings) {

@@ -42,8 +42,8 @@ bool isInverted(const Instance&);
 
 // The finding "slices-not-decoded": which slices of a stack are missing from its volume, and why.
 Finding lostSlices(const Stack&, const std::vector<SliceFailure>&);
-// VolumeInfo::patientKey of a series.
-std::string patientKey(const StudySet&, const Series&);
+// VolumeInfo::patientKey of a stack.
+std::string patientKey(const StudySet&, const Stack&);
 
 // The frame's usable windows, widths below 1 under LINEAR taken as LINEAR_EXACT with a notice.
 std::vector<VoiWindow> windowsOf(const FrameAttributes&, std::vector<Finding>& findings);

@@ -55,6 +55,45 @@ TEST(Group, SameIdOfAnotherIssuerIsAnotherPatient) {
   EXPECT_EQ(groupRecords(r).patients.size(), 2u);
 }
 
+Record person(const std::string& study, const std::string& series, const std::string& birthDate,
+              const std::string& sex) {
+  Record r = object("A", study, series);
+  r.birthDate = birthDate, r.sex = sex;
+  return r;
+}
+
+TEST(Group, OneIdWithTwoBirthDatesOrSexesIsOfTwoPatients) {
+  for (const auto& [date, sex] : {std::pair("19700103", "F"), std::pair("19700102", "M")}) {
+    // In one study, and in one series at that.
+    std::vector<Record> r{person("1", "10", "19700102", "F"), person("1", "11", date, sex),
+                          person("1", "10", "19700102", "F"), person("1", "10", date, sex)};
+    const Grouping g = groupRecords(r);
+    ASSERT_EQ(g.patients.size(), 2u);
+    EXPECT_EQ(g.patients[1].birthDate, date);
+    EXPECT_EQ(g.patients[1].sex, sex);
+    const std::size_t of[] = {0, 1, 0, 1};
+    for (std::size_t n = 0; n < 4; ++n) EXPECT_EQ(r[n].instance.patient, of[n]) << n;
+    ASSERT_EQ(g.findings.size(), 2u);
+    EXPECT_EQ(g.findings[0].code, "study-of-several-patients");
+    EXPECT_EQ(g.findings[1].code, "patient-id-of-several-people");
+    EXPECT_EQ(g.findings[1].severity, Severity::Warning);
+    for (const Finding& f : g.findings) EXPECT_EQ(f.sentence.find("1970"), std::string::npos) << f.sentence;
+  }
+}
+
+TEST(Group, WhatIsAbsentIsNoOtherPerson) {
+  std::vector<Record> r{person("1", "10", "", ""), person("1", "11", "19700102", ""),
+                        person("2", "20", "", "F")};
+  const Grouping g = groupRecords(r);
+  ASSERT_EQ(g.patients.size(), 1u);
+  EXPECT_EQ(g.patients[0].birthDate, "19700102");
+  EXPECT_EQ(g.patients[0].sex, "F");
+  EXPECT_TRUE(g.findings.empty());
+  // Beside a contradiction nobody can say whose it is.
+  r.push_back(person("3", "30", "19700103", "F"));
+  EXPECT_EQ(groupRecords(r).patients.size(), 4u);
+}
+
 TEST(Group, SeriesUidInSeveralStudiesIsNeverMerged) {
   std::vector<Record> r{object("A", "1", "10"), object("A", "2", "10"), object("A", "3", "10")};
   const Grouping g = groupRecords(r);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <set>
 
 #include "MakeDicom.h"
 #include "SopClasses.h"
@@ -243,6 +244,30 @@ TEST(ScanStudy, ObjectsOfTwoPatientsAreNeverOneStack) {
   EXPECT_EQ(set.series[0].stacks.size(), 2u);
   EXPECT_EQ(set.findings.at(0).code, "study-of-several-patients");
   for (const Stack& s : set.series[0].stacks) EXPECT_EQ(s.label.find("TEST"), std::string::npos);
+}
+
+TEST(ScanStudy, ObjectsOfOneIdAndTwoBirthDatesAreNeverOneStack) {
+  const TempDir dir;
+  writeSeries(dir.path() / "a", 3, {0, 0, 1});
+  DicomSlice other;
+  other.set = {{"0010,0030", "19700103"}};
+  other.position = {0, 0, 3};
+  other.instanceNumber = 4;
+  writeDicom(dir.path() / "b.dcm", other);
+  other.set = {{"0010,0030", "19700102"}};
+  other.position = {0, 0, 4};
+  other.instanceNumber = 5;
+  writeDicom(dir.path() / "c.dcm", other);
+  const StudySet set = scan(dir.path());
+  ASSERT_EQ(set.series.size(), 1u);
+  ASSERT_EQ(set.series[0].stacks.size(), 3u) << "the date of the first three is not known";
+  std::set<const Patient*> whose;
+  for (const Stack& s : set.series[0].stacks) {
+    ASSERT_NE(patientOf(set, s), nullptr);
+    whose.insert(patientOf(set, s));
+    EXPECT_EQ(s.label.find("1970"), std::string::npos) << s.label;
+  }
+  EXPECT_EQ(whose.size(), 3u);
 }
 
 TEST(ScanStudy, DicomDirOpenedByItselfIsAnIndex) {

@@ -87,8 +87,9 @@ enum class Identity { Unique, Kept, Repeated, Conflict };
 
 // One object of a file. Attribute text is UTF-8. The attributes of the base are those of its first frame.
 struct Instance : FrameAttributes {
-  std::size_t file = 0;    // index into StudySet::files
-  std::size_t series = 0;  // index into StudySet::series
+  std::size_t file = 0;     // index into StudySet::files
+  std::size_t series = 0;   // index into StudySet::series
+  std::size_t patient = 0;  // index into StudySet::patients
   Identity identity = Identity::Unique;
   std::vector<NamedText> names;
   std::uint64_t framesDeclared = 1;  // also of objects whose pixels cannot be shown
@@ -165,6 +166,8 @@ struct Study {
   std::string studyUid, date, time, description, accession;
   std::vector<std::size_t> series;  // index into StudySet::series
 };
+// Of one Patient ID and issuer. Where such objects state two birth dates or two sexes, they are of as many
+// patients as there are pairs of them.
 struct Patient {
   std::string id, issuer, name, birthDate, sex;
   std::vector<std::size_t> studies;
@@ -191,5 +194,13 @@ struct StudySet {
   std::vector<PresentationState> presentations;  // in file order
   std::vector<Finding> findings;                 // those of no single series
 };
+
+// Whose a stack is: it never holds images of two patients, though its series or study may. nullptr: it holds
+// nothing.
+inline const Patient* patientOf(const StudySet& set, const Stack& stack) {
+  if (stack.slices.empty() || stack.slices.front().instance >= set.instances.size()) return nullptr;
+  const std::size_t n = set.instances[stack.slices.front().instance].patient;
+  return n < set.patients.size() ? &set.patients[n] : nullptr;
+}
 
 }  // namespace vernier
