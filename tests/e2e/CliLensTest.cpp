@@ -63,6 +63,40 @@ TEST_F(CliLens, FilesAndSurfacesGiveTheSamePictureAsTheOption) {
   EXPECT_EQ(different(box, render({"--view", "mip", "--lens", mesh})), 0u);
 }
 
+TEST_F(CliLens, SpheresAndConesLieWhereTheOptionSays) {
+  const Picture whole = render({"--view", "mip"});
+  const auto ofFile = [&](const std::string& shape) {
+    return render(
+        {"--view", "mip", "--lens",
+         write("shape.json", R"({"kind": "lens", "inner": {"kind": "cut-out"}, "shape": )" + shape + "}")});
+  };
+  const Picture sphere = render({"--view", "mip", "--lens", "sphere:2,3,9,7", "--lens-inner", "cut-out"});
+  EXPECT_GT(different(whole, sphere), 30u);
+  EXPECT_EQ(different(sphere, ofFile(R"({"kind": "sphere", "centre": [2, 3, 9], "radius_mm": 7})")), 0u);
+  const Picture cone =
+      render({"--view", "mip", "--lens", "cone:2,-9,9,3,13,12,2,6", "--lens-inner", "cut-out"});
+  EXPECT_GT(different(whole, cone), 30u);
+  EXPECT_EQ(different(cone, ofFile(R"({"kind": "cone", "from": [2, -9, 9], "to": [3, 13, 12],
+    "from_radius_mm": 2, "to_radius_mm": 6})")),
+            0u);
+}
+
+// A lens file says what it shows, unless the option does.
+TEST_F(CliLens, TheInnerOptionGoesBeforeTheFile) {
+  const std::string file = write("own.json", R"({"kind": "lens", "inner": {"kind": "cut-out"},
+    "shape": {"kind": "box", "centre": [0, 2, 11], "size_mm": [8, 8, 8]}})");
+  const Picture own = render({"--view", "mip", "--lens", file});
+  const Picture bone = render({"--view", "mip", "--lens", file, "--lens-inner", "window:40,80"});
+  EXPECT_GT(different(own, bone), 30u);
+  const Picture box = render({"--view", "mip", "--lens", "box:0,2,11,8,8,8", "--lens-inner", "window:40,80"});
+  EXPECT_EQ(different(bone, box), 0u);
+  // What an option's lens shows where nothing says it, is what fits the view; a file's default is nothing.
+  const std::string bare = write("bare.JSON", R"({"kind": "lens",
+    "shape": {"kind": "box", "centre": [0, 2, 11], "size_mm": [8, 8, 8]}})");
+  EXPECT_EQ(different(own, render({"--view", "mip", "--lens", bare})), 0u);
+  EXPECT_GT(different(own, render({"--view", "mip", "--lens", "box:0,2,11,8,8,8"})), 30u);
+}
+
 TEST_F(CliLens, OutsideOfTheVolumeThePictureIsAsWithoutIt) {
   const Picture whole = render({"--view", "mip"});
   EXPECT_EQ(different(whole, render({"--view", "mip", "--lens", "sphere:500,0,0,20"})), 0u);
