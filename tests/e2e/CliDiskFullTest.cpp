@@ -64,9 +64,9 @@ TEST_F(DiskFull, Measurements) {
 TEST_F(DiskFull, Comparisons) {
   Picture noise(100, 100);
   std::mt19937 random(1);
-  for (std::uint8_t& b : noise.rgb) b = static_cast<std::uint8_t>(random());
+  for (std::uint8_t& b : noise.pixels) b = static_cast<std::uint8_t>(random());
   ASSERT_TRUE(writePng(path("n.png"), noise).ok());
-  std::reverse(noise.rgb.begin(), noise.rgb.end());
+  std::reverse(noise.pixels.begin(), noise.pixels.end());
   ASSERT_TRUE(writePng(path("r.png"), noise).ok());
   expectKept({"compare", path("n.png"), path("r.png"), "--heatmap", path("h.png")}, "h.png");
 }
