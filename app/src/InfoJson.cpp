@@ -60,7 +60,7 @@ Json totalsJson(const StudySet& set, const std::vector<SurfaceRecord>& surfaces)
   }
   return {{"files", set.files.size()},
           {"files_by_kind", kinds},
-          {"patients", set.patients.size()},
+          {"patients", patientIds(set)},
           {"studies", set.studies.size()},
           {"series", set.series.size()},
           {"objects", set.instances.size()},

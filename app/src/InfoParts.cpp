@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "InfoParts.h"
 
+#include <set>
+
 #include "VolumeFacts.h"
 
 namespace vernier {
@@ -115,6 +117,17 @@ Json volumeFilesJson(const StudySet& set, const std::vector<VolumeFile>& volumes
   Json list = Json::array();
   for (const VolumeFile& v : volumes) list.push_back(volumeFileJson(set, v, options));
   return list;
+}
+
+std::size_t patientIds(const StudySet& set) {
+  std::set<std::pair<std::string, std::string>> ids;
+  std::size_t without = 0;
+  for (const Patient& p : set.patients)
+    if (p.id.empty())
+      ++without;
+    else
+      ids.emplace(p.issuer, p.id);
+  return ids.size() + without;
 }
 
 }  // namespace vernier

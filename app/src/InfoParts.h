@@ -10,6 +10,10 @@ using Json = nlohmann::ordered_json;
 
 const char* nameOf(FileKind);
 
+// By Patient ID and issuer; without an ID each entry is one. Fewer than StudySet::patients where one ID
+// stands with several birth dates or sexes.
+std::size_t patientIds(const StudySet&);
+
 Json toJson(const glm::dvec3&);
 Json toJson(const PatientFromVoxel&);  // rows of a 4x4 matrix
 Json toJson(const std::vector<Finding>&);

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "InfoJson.h"
+#include "InfoParts.h"
 
 namespace vernier {
 namespace {
@@ -233,7 +234,10 @@ std::string infoText(const StudySet& set, const std::vector<VolumeFile>& volumes
       out += "Failed " + safe(f.shown) + ": " + safe(f.error->sentence) + "\n";
   }
   // The objects and what follows the semicolons add up to the number of files.
-  out += count(set.files.size(), "file") + ": " + count(set.patients.size(), "patient") + ", " +
+  out += count(set.files.size(), "file") + ": " + count(patientIds(set), "patient") +
+         (patientIds(set) < set.patients.size()
+              ? " (" + std::to_string(set.patients.size()) + " by birth date and sex), "
+              : ", ") +
          std::to_string(set.studies.size()) + (set.studies.size() == 1 ? " study, " : " studies, ") +
          count(set.series.size(), "series") + ", " + count(set.instances.size(), "object");
   if (!volumes.empty()) out += "; " + count(volumes.size(), "volume file");
