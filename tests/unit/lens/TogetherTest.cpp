@@ -260,6 +260,7 @@ TEST(LensesTogether, G2_ANeutralLensIsNotSeenInProjectionsAndShells) {
       ShellsLayer s;
       s.source = "v", s.mode = mode, s.levels = {-300, 100, 500};
       s.beta0 = beta0, s.phi0 = 0.5, s.a = mode == ShellsMode::Lit ? 0 : 0.4;
+      if (mode == ShellsMode::Max && beta0 > 0) s.surfaceBlend = SurfaceBlend::Max;
       check(s, 0.25);
     }
 }
