@@ -64,17 +64,18 @@ TEST_F(CliLens, FilesAndSurfacesGiveTheSamePictureAsTheOption) {
 }
 
 TEST_F(CliLens, SpheresAndConesLieWhereTheOptionSays) {
-  const Picture whole = render({"--view", "mip"});
+  const Picture whole = render({"--view", "dvr", "--preset", "ramp"});
   const auto ofFile = [&](const std::string& shape) {
     return render(
-        {"--view", "mip", "--lens",
+        {"--view", "dvr", "--preset", "ramp", "--lens",
          write("shape.json", R"({"kind": "lens", "inner": {"kind": "cut-out"}, "shape": )" + shape + "}")});
   };
-  const Picture sphere = render({"--view", "mip", "--lens", "sphere:2,3,9,7", "--lens-inner", "cut-out"});
+  const Picture sphere =
+      render({"--view", "dvr", "--preset", "ramp", "--lens", "sphere:2,3,9,7", "--lens-inner", "cut-out"});
   EXPECT_GT(different(whole, sphere), 30u);
   EXPECT_EQ(different(sphere, ofFile(R"({"kind": "sphere", "centre": [2, 3, 9], "radius_mm": 7})")), 0u);
-  const Picture cone =
-      render({"--view", "mip", "--lens", "cone:2,-9,9,3,13,12,2,6", "--lens-inner", "cut-out"});
+  const Picture cone = render(
+      {"--view", "dvr", "--preset", "ramp", "--lens", "cone:2,-9,9,3,13,12,2,6", "--lens-inner", "cut-out"});
   EXPECT_GT(different(whole, cone), 30u);
   EXPECT_EQ(different(cone, ofFile(R"({"kind": "cone", "from": [2, -9, 9], "to": [3, 13, 12],
     "from_radius_mm": 2, "to_radius_mm": 6})")),

@@ -260,8 +260,31 @@ TEST(LensesTogether, G2_ANeutralLensIsNotSeenInProjectionsAndShells) {
       ShellsLayer s;
       s.source = "v", s.mode = mode, s.levels = {-300, 100, 500};
       s.beta0 = beta0, s.phi0 = 0.5, s.a = mode == ShellsMode::Lit ? 0 : 0.4;
+      // Darker than the tool behind them, which is seen then.
+      if (mode == ShellsMode::Max && beta0 > 0)
+        s.surfaceBlend = SurfaceBlend::Max, s.colour = {0.2, 0.1, 0.2};
       check(s, 0.25);
     }
+}
+
+// Bins of steps that lie within a lens on all rays of a packet are those of the lens alone.
+TEST(LensesTogether, NothingIsReadWhereNothingIsShown) {
+  const LensHost host;
+  Case c = caseOf(0);
+  c.scene.layers.resize(1);
+  const std::uint64_t plain = drawn(host, c).images.counters.samples;
+  LensLayer lens;
+  lens.shape = BoxShape{MeshPoint(16, 15, 15), {90, 90, 90}};
+  c.scene.layers.emplace_back(lens);
+  const Drawn none = drawn(host, c);
+  ASSERT_TRUE(isTogether(none.plan));
+  EXPECT_EQ(none.images.counters.samples, 0u);
+  // Half of it: about half of the samples, and the bins that the face runs through.
+  std::get<BoxShape>(std::get<LensLayer>(c.scene.layers.back()).shape) =
+      BoxShape{MeshPoint(16, 15, -29.4), {90, 90, 90}};
+  const std::uint64_t half = drawn(host, c).images.counters.samples;
+  EXPECT_GT(half, plain / 4);
+  EXPECT_LT(half, 3 * plain / 4);
 }
 
 TEST(LensesTogether, TheSameBitsForAnyNumberOfThreads) {
