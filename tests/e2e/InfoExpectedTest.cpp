@@ -256,6 +256,15 @@ TEST(InfoValues, FilesWithEqualExpectedHashDecodeToEqualValues) {
   for (const auto& [uid, set] : hashes) EXPECT_EQ(set.size(), 1u);
 }
 
+// Counted by Patient ID, as the expected files are; listed apart, with a warning.
+TEST(InfoValues, OneIdWithThreeBirthDatesIsListedAsThreePatients) {
+  VERNIER_NEEDS_DATA("geometry_faults");
+  const Facts facts = factsOf("geometry_faults");
+  EXPECT_EQ(facts.info.at("totals").at("patients"), 1);
+  EXPECT_EQ(facts.info.at("patients").size(), 3u);
+  ASSERT_EQ(facts.findings("patient-id-of-several-people").size(), 1u);
+}
+
 TEST(InfoText, SaysGeometryFindingsAndWhatFailed) {
   VERNIER_NEEDS_DATA("geometry_faults");
   auto set = scanStudy({(dataDir() / "geometry_faults").string()});

@@ -34,7 +34,7 @@ say "Looks through volumes: projections, emission shells, and a tool among them:
 screw=../shared/data/surf_pedicle_screw/D4.5L30.stl
 if [ ! -f "$screw" ]; then
   "$vernier" phantom screw --out "$out" >/dev/null
-  screw=$(find "$out/screw" -name '*.stl' | head -n 1)
+  screw=$out/screw.stl
 fi
 levels=260,340,420,500,580,660  # above the tissue and its noise
 angio=$out/vessels
@@ -100,7 +100,9 @@ done
 
 say "What one picture needs, and why (--explain):"
 "$vernier" render "$out/ct-head" --view oblique --preset bone --explain --out "$out/oblique.png"
-say "Look at $out/contact-sheet.png and the other sheets beside it."
+say "Is this installation right? Every case has an answer that is known beforehand:"
+"$vernier" qa run clinic --out "$out/clinic" | tail -n 2
+say "Look at $out/clinic/report.html, $out/contact-sheet.png and the other sheets beside it."
 if [ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ] && [ -t 1 ]; then
   say "The window (close it to end; F1 shows mouse and keys):"
   "$vernier" view "${study:-$out/ct-head}"

@@ -172,5 +172,26 @@ TEST(TwoPatients, AWipeEndsWhenAnotherPersonComes) {
   EXPECT_GT(*lowR, *low);
 }
 
+// Volume files name nobody: two of them may be laid on each other, one of them on a patient's images not.
+TEST(TwoPatients, VolumeFilesNameNobody) {
+  vernier::test::TempDir dir;
+  test::WindowDriver w;
+  if (!w.here()) return;
+  w.key(GLFW_KEY_F3);
+  for (const char* name : {"one", "two"}) w.open(test::volumeFile(dir, name));
+  ASSERT_EQ(w.desk().documents().size(), 2u);
+  for (int t = 0; t < 2; ++t) {
+    const Document& d = *w.desk().documents()[static_cast<std::size_t>(t)];
+    w.desk().openSource({d.number, d.session->sourceName(*d.session->choose(""))}, t);
+  }
+  ASSERT_TRUE(w.settle());
+  EXPECT_FALSE(w.workspace().differentPeople());
+  w.open(series(dir, "a", "2.25.21", kOne, 40));
+  const Document& patient = *w.desk().documents()[2];
+  w.desk().openSource({patient.number, patient.session->sourceName(*patient.session->choose(""))}, 1);
+  ASSERT_TRUE(w.settle());
+  EXPECT_TRUE(w.workspace().differentPeople());
+}
+
 }  // namespace
 }  // namespace vernier::ui

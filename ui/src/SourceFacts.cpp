@@ -85,7 +85,7 @@ SourceFacts factsOfVolumeFile(const app::Session& session, app::StackChoice choi
   f.grid = info.grid;
   f.isVolumeFile = true;
   f.colour = info.channels > 1;
-  f.linkKey = f.personKey = joined({"source", std::to_string(document), f.id.name});
+  f.linkKey = joined({"source", std::to_string(document), f.id.name});  // it names no person
   return f;
 }
 

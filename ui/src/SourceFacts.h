@@ -25,7 +25,7 @@ struct SourceFacts {
   std::string patient;  // name as shown
   // Coordinates are shared only between sources with equal keys: frame of reference and patient.
   std::string linkKey;
-  // Of one person only when equal: id, issuer, birth date and sex.
+  // Of one person only when equal: id, issuer, birth date and sex. Volume files name nobody: "".
   std::string personKey;
   std::string idKey;  // Patient ID and issuer, "" without an ID: equal for one ID with two birth dates
   std::vector<ImageFrameInfo> frames;  // geometry of each image, without pixels; empty for volume files
