@@ -162,7 +162,7 @@ int accept(const GlobalOptions& global, const Options& o) {
   if (!makeSession(global)) return 2;
   QaRunner runner(
       *settings, [&] { return makeSession(global); }, interruptToken());
-  const Result<QaAccepted> a = acceptQaCase(runner, o.dir, o.caseName, o.reason);
+  const Result<QaAccepted> a = acceptQaCase(runner, suiteFolder(o.dir), o.caseName, o.reason);
   if (!a) return report(a.error());
   if (!a->changed)
     std::printf("%s: the baseline is this picture already; nothing was changed\n", o.caseName.c_str());

@@ -40,9 +40,7 @@ std::vector<int> along(WindowDriver& w, const Picture& p, const LensDisc& d, dou
 TEST(WindowLens, AKeyPlacesItAndHandsMoveScaleAndRemoveIt) {
   vernier::test::TempDir dir;
   WindowDriver w;
-  if (!w.here()) return;
-  w.open(test::headStudy(dir));
-  ASSERT_TRUE(w.settle());
+  if (!test::openHead(dir, w)) return;
   w.move(kX, kY);
   w.key(GLFW_KEY_G);
   EXPECT_NE(w.host().gui().why().find("MPR (F4)"), std::string::npos) << "not on stored frames";
@@ -122,8 +120,7 @@ TEST(WindowLens, AKeyPlacesItAndHandsMoveScaleAndRemoveIt) {
 TEST(WindowLens, TheMenuPlacesItInTheMiddle) {
   vernier::test::TempDir dir;
   WindowDriver w;
-  if (!w.here()) return;
-  w.open(test::headStudy(dir));
+  if (!test::openHead(dir, w)) return;
   w.key(GLFW_KEY_F4);
   ASSERT_TRUE(w.settle());
   w.click(1090, 20);  // Measure
@@ -148,8 +145,7 @@ TEST(WindowLens, TheMenuPlacesItInTheMiddle) {
 TEST(WindowLens, DelTakesTheChosenOneOfLensAndMeasurement) {
   vernier::test::TempDir dir;
   WindowDriver w;
-  if (!w.here()) return;
-  w.open(test::headStudy(dir));
+  if (!test::openHead(dir, w)) return;
   w.key(GLFW_KEY_F4);
   ASSERT_TRUE(w.settle());
   w.move(kX, kY);

@@ -25,9 +25,7 @@ measure::Measured saidOf(WindowDriver& w, const Drawn& d) {
 TEST(WindowMeasure, ALengthByOneKeyAndOneDragThenWindowingAgain) {
   vernier::test::TempDir dir;
   WindowDriver w;
-  if (!w.here()) return;
-  w.open(test::headStudy(dir));
-  ASSERT_TRUE(w.settle());
+  if (!test::openHead(dir, w)) return;
   const Place place = *w.desk().tileView(0).place;
   w.key(GLFW_KEY_L);
   w.dragBy(kX - 60, kY - 40, 90, 40);
@@ -67,9 +65,7 @@ TEST(WindowMeasure, ALengthByOneKeyAndOneDragThenWindowingAgain) {
 TEST(WindowMeasure, AValueIsThePixelUnderThePointer) {
   vernier::test::TempDir dir;
   WindowDriver w;
-  if (!w.here()) return;
-  w.open(test::headStudy(dir));
-  ASSERT_TRUE(w.settle());
+  if (!test::openHead(dir, w)) return;
   const TileView& tile = w.desk().tileView(0);
   const SourceFacts& facts = *w.workspace().factsOfTile(0);
   // Where the picture lies in the window: 26 px below the tile, beside the list of studies.
@@ -89,8 +85,7 @@ TEST(WindowMeasure, AValueIsThePixelUnderThePointer) {
 TEST(WindowMeasure, EveryToolOnReformatsWithItsList) {
   vernier::test::TempDir dir;
   WindowDriver w;
-  if (!w.here()) return;
-  w.open(test::headStudy(dir));
+  if (!test::openHead(dir, w)) return;
   w.key(GLFW_KEY_F4);
   w.key(GLFW_KEY_1);
   ASSERT_TRUE(w.settle());

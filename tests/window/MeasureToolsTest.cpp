@@ -36,9 +36,7 @@ bool windows(WindowDriver& w) {  // the left button does it again
 TEST(WindowMeasureTools, CobbAngleAndDiameters) {
   vernier::test::TempDir dir;
   WindowDriver w;
-  if (!w.here()) return;
-  w.open(test::headStudy(dir));
-  ASSERT_TRUE(w.settle());
+  if (!test::openHead(dir, w)) return;
   const double mm = w.desk().tileView(0).place->unit_mm;
   w.key(GLFW_KEY_Y);
   w.dragBy(kX - 80, kY - 60, 120, 20);  // one line by a drag, the other by two clicks
@@ -76,9 +74,7 @@ TEST(WindowMeasureTools, CobbAngleAndDiameters) {
 TEST(WindowMeasureTools, APolygonIsClosedInThreeWaysAndGivenUp) {
   vernier::test::TempDir dir;
   WindowDriver w;
-  if (!w.here()) return;
-  w.open(test::headStudy(dir));
-  ASSERT_TRUE(w.settle());
+  if (!test::openHead(dir, w)) return;
   const double mm2 = std::pow(w.desk().tileView(0).place->unit_mm, 2);
   const std::vector<glm::dvec2> corners{{kX, kY}, {kX + 70, kY + 10}, {kX + 50, kY + 80}, {kX - 10, kY + 60}};
   const double area = measure::areaOf(corners) * mm2;
@@ -117,9 +113,7 @@ TEST(WindowMeasureTools, APolygonIsClosedInThreeWaysAndGivenUp) {
 TEST(WindowMeasureTools, AnOutlineByHandKeepsItsWayHoweverSlowFramesAre) {
   vernier::test::TempDir dir;
   WindowDriver w;
-  if (!w.here()) return;
-  w.open(test::headStudy(dir));
-  ASSERT_TRUE(w.settle());
+  if (!test::openHead(dir, w)) return;
   const double mm2 = std::pow(w.desk().tileView(0).place->unit_mm, 2);
   w.key(GLFW_KEY_H);
   w.click(kX, kY);  // no outline
@@ -151,9 +145,7 @@ TEST(WindowMeasureTools, AnOutlineByHandKeepsItsWayHoweverSlowFramesAre) {
 TEST(WindowMeasureTools, PointsOfOneMeasurementStandOnOneImage) {
   vernier::test::TempDir dir;
   WindowDriver w;
-  if (!w.here()) return;
-  w.open(test::headStudy(dir));
-  ASSERT_TRUE(w.settle());
+  if (!test::openHead(dir, w)) return;
   w.key(GLFW_KEY_O);
   for (const double dx : {0.0, 50.0, 90.0}) w.click(kX + dx, kY + dx * dx / 100);
   w.wheel(-3);  // away: what was begun is left behind
@@ -168,9 +160,7 @@ TEST(WindowMeasureTools, PointsOfOneMeasurementStandOnOneImage) {
 TEST(WindowMeasureTools, WordsAreTypedWhereTheyStand) {
   vernier::test::TempDir dir;
   WindowDriver w;
-  if (!w.here()) return;
-  w.open(test::headStudy(dir));
-  ASSERT_TRUE(w.settle());
+  if (!test::openHead(dir, w)) return;
   w.key(GLFW_KEY_X);
   w.click(kX, kY);
   EXPECT_TRUE(all(w).empty()) << "not without words";
@@ -204,8 +194,7 @@ TEST(WindowMeasureTools, WordsAreTypedWhereTheyStand) {
 TEST(WindowMeasureTools, ARegionOnAReformatGoesToStoredPixelsByAClick) {
   vernier::test::TempDir dir;
   WindowDriver w;
-  if (!w.here()) return;
-  w.open(test::headStudy(dir));
+  if (!test::openHead(dir, w)) return;
   w.key(GLFW_KEY_F4);
   ASSERT_TRUE(w.settle());
   w.key(GLFW_KEY_E);

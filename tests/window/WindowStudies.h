@@ -9,6 +9,7 @@
 
 #include "RunProgram.h"
 #include "TestData.h"
+#include "WindowDriver.h"
 
 namespace vernier::ui::test {
 
@@ -26,6 +27,13 @@ inline std::string smallStudy(const vernier::test::TempDir& dir) { return study(
 // A head of 128 x 128 x 64 voxels: large enough for pictures that somebody looks at.
 inline std::string headStudy(const vernier::test::TempDir& dir) {
   return study(dir, "ct-head", {"--set", "scale=0.25"});
+}
+
+// The window with the head's study; false where there is no window to be had.
+inline bool openHead(const vernier::test::TempDir& dir, WindowDriver& w) {
+  if (!w.here()) return false;
+  w.open(headStudy(dir));
+  return true;
 }
 
 // NRRD, 24 x 20 x 16 voxels of 1 mm, rising along the columns.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Help, the notice at first start, and messages.
+#include "Dialog.h"
 #include "Gui.h"
 
 namespace vernier::ui {
@@ -35,35 +36,11 @@ constexpr Binding kBindings[] = {
     {"Esc", "cancels measuring or loading, closes this"},
 };
 
-constexpr ImGuiWindowFlags kDialog = ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
-                                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar;
-
-void centred() {
-  const ImVec2 size = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-}
-
-// On a dialog's ground, which is of the colour of the other buttons.
-bool dialogButton(const char* label, float width) {
-  ImGui::PushStyleColor(ImGuiCol_Button, colour::kAccentDark);
-  const bool clicked = ImGui::Button(label, {width, 0});
-  ImGui::PopStyleColor();
-  return clicked;
-}
-
 }  // namespace
 
 void Gui::help() {
   if (!help_) return;
-  centred();
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, colour::kRaised);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme_.px(22), theme_.px(18)});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
-  ImGui::Begin("##help", nullptr, kDialog);
-  ImGui::PushFont(theme_.bold);
-  ImGui::TextUnformatted("Mouse and keys");
-  ImGui::PopFont();
+  const Dialog dialog(theme_, "##help", "Mouse and keys");
   ImGui::Dummy({0, theme_.px(4)});
   if (ImGui::BeginTable("##bindings", 2, ImGuiTableFlags_SizingFixedFit)) {
     for (const Binding& b : kBindings) {
@@ -79,22 +56,12 @@ void Gui::help() {
   }
   ImGui::Dummy({0, theme_.px(6)});
   if (dialogButton("Close", theme_.px(96))) help_ = false;
-  ImGui::End();
-  ImGui::PopStyleVar(2);
-  ImGui::PopStyleColor();
 }
 
 void Gui::notice() {
   if (!notice_) return;
-  centred();
   ImGui::SetNextWindowFocus();
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, colour::kRaised);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme_.px(24), theme_.px(20)});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
-  ImGui::Begin("##notice", nullptr, kDialog);
-  ImGui::PushFont(theme_.bold);
-  ImGui::TextUnformatted("Vernier is not a medical device");
-  ImGui::PopFont();
+  const Dialog dialog(theme_, "##notice", "Vernier is not a medical device", {24, 20});
   ImGui::Dummy({0, theme_.px(2)});
   ImGui::PushTextWrapPos(theme_.px(440));
   ImGui::TextUnformatted(
@@ -106,9 +73,6 @@ void Gui::notice() {
     notice_ = false;
     if (noticeAccepted_) why_ = noticeAccepted_();
   }
-  ImGui::End();
-  ImGui::PopStyleVar(2);
-  ImGui::PopStyleColor();
 }
 
 void Gui::messages(Rect r) {

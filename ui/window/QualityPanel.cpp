@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <thread>
 
+#include "Dialog.h"
 #include "Gui.h"
 
 extern char** environ;
@@ -13,9 +14,6 @@ extern char** environ;
 namespace vernier::ui {
 namespace {
 
-constexpr ImGuiWindowFlags kDialog = ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
-                                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar;
 constexpr std::size_t kMostNamed = 8;
 
 // In the desktop's own browser; false where there is none.
@@ -62,16 +60,7 @@ void Gui::quality() {
   if (!qualityShown_) return;
   using Phase = QualityState::Phase;
   const QualityState s = desk_.quality().state();
-  const ImVec2 size = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({size.x / 2, size.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, colour::kRaised);
-  ImGui::PushStyleColor(ImGuiCol_Button, colour::kAccentDark);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {theme_.px(22), theme_.px(18)});
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
-  ImGui::Begin("##quality", nullptr, kDialog);
-  ImGui::PushFont(theme_.bold);
-  ImGui::TextUnformatted("Check of this installation");
-  ImGui::PopFont();
+  const Dialog dialog(theme_, "##quality", "Check of this installation");
   ImGui::PushTextWrapPos(theme_.px(560));
   ImGui::TextDisabled(
       "Draws and measures phantoms whose answers are known, with both engines. It tests the software up to "
@@ -93,19 +82,15 @@ void Gui::quality() {
   ImGui::PopTextWrapPos();
   ImGui::Dummy({0, theme_.px(6)});
   if (s.phase == Phase::Running) {
-    if (ImGui::Button("Cancel", {theme_.px(96), 0})) desk_.quality().cancel();
+    if (dialogButton("Cancel", theme_.px(96))) desk_.quality().cancel();
   } else {
-    if (s.phase == Phase::Finished && ImGui::Button("Open report", {theme_.px(120), 0}) &&
-        !openInBrowser(s.report))
+    if (s.phase == Phase::Finished && dialogButton("Open report", theme_.px(120)) && !openInBrowser(s.report))
       why_ = "No browser could be started; open the report by its name.";
     if (s.phase == Phase::Finished) ImGui::SameLine();
-    if (ImGui::Button("Run again", {theme_.px(110), 0})) desk_.quality().start();
+    if (dialogButton("Run again", theme_.px(110))) desk_.quality().start();
     ImGui::SameLine();
-    if (ImGui::Button("Close", {theme_.px(96), 0})) qualityShown_ = false;
+    if (dialogButton("Close", theme_.px(96))) qualityShown_ = false;
   }
-  ImGui::End();
-  ImGui::PopStyleVar(2);
-  ImGui::PopStyleColor(2);
 }
 
 }  // namespace vernier::ui

@@ -40,7 +40,7 @@ Parts drawParts(const LookCase& c, const std::string& technique, float toolWeigh
 }
 
 TEST(ProjectionPartsGl, AsNativeDrawsThem) {
-  if (!glDevice()) GTEST_SKIP() << "no GL here";
+  VERNIER_NEEDS_GL(device);
   for (const ProjectionMode mode : kAllModes)
     for (const Projection projection : {Projection::Orthographic, Projection::Perspective})
       for (const float weight : {1.0f, 0.4f}) {

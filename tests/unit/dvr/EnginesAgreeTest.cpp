@@ -53,7 +53,7 @@ class EnginesAgree : public ::testing::TestWithParam<Projection> {
 };
 
 TEST_P(EnginesAgree, Blend) {
-  if (!glDevice()) GTEST_SKIP();
+  VERNIER_NEEDS_GL(device);
   DvrCase c = of();
   for (double step : {1.0, 0.5}) {
     c.quality.step = step;
@@ -66,7 +66,7 @@ TEST_P(EnginesAgree, Blend) {
 }
 
 TEST_P(EnginesAgree, ShadedByBothModels) {
-  if (!glDevice()) GTEST_SKIP();
+  VERNIER_NEEDS_GL(device);
   DvrCase c = of();
   c.layer().classification = Classification::Post;
   for (auto model : {ShadingModel::GlobalAmbient, ShadingModel::ColourPerVoxel}) {
@@ -78,7 +78,7 @@ TEST_P(EnginesAgree, ShadedByBothModels) {
 }
 
 TEST_P(EnginesAgree, CutOpenWithToolsAndNoData) {
-  if (!glDevice()) GTEST_SKIP();
+  VERNIER_NEEDS_GL(device);
   DvrCase c = of(bumpyVolume(tiltedGrid(30, 28, 22), NoDataRange{0, 3}));
   c.layer().classification = Classification::Post;
   const glm::dvec3 centre = c.volume().grid().centre().p;
@@ -92,7 +92,7 @@ TEST_P(EnginesAgree, CutOpenWithToolsAndNoData) {
 }
 
 TEST_P(EnginesAgree, Extremes) {
-  if (!glDevice()) GTEST_SKIP();
+  VERNIER_NEEDS_GL(device);
   DvrCase c = of();
   for (auto mode : {VolumeMode::Max, VolumeMode::Min}) {
     c.layer().mode = mode;
@@ -101,7 +101,7 @@ TEST_P(EnginesAgree, Extremes) {
 }
 
 TEST_P(EnginesAgree, ColourVolumesAndLinearOpacity) {
-  if (!glDevice()) GTEST_SKIP();
+  VERNIER_NEEDS_GL(device);
   DvrCase colours = of(colourVolume());
   colours.layer().gains = {1.2, 0.8, 2, 1.7};
   expectAgreement(colours, "dvr.native");
@@ -111,7 +111,7 @@ TEST_P(EnginesAgree, ColourVolumesAndLinearOpacity) {
 }
 
 TEST_P(EnginesAgree, IsoSurfaces) {
-  if (!glDevice()) GTEST_SKIP();
+  VERNIER_NEEDS_GL(device);
   DvrCase c = of(bumpyVolume(), true);
   expectAgreement(c, "iso.native");
   c.addTool(2, 5, 1);

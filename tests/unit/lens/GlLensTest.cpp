@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "../volume/Grids.h"
-#include "GlForTest.h"
+#include "GlHost.h"
 #include "GlLensImages.h"
 #include "LensTechniques.h"
 #include "vernier/angiography/Angiography.h"
@@ -206,27 +206,10 @@ TEST(GlLens, SpansAreThoseOfNative) {
   EXPECT_LE(other, segments / 1000) << segments;
 }
 
-class LensHost final : public Host {
- public:
-  static LensHost& instance() {
-    static LensHost host;
-    return host;
-  }
-  Result<void> addTechnique(Technique t) override { return registry.add(std::move(t)); }
-  Result<gpu::Device*> glDevice() override {
-    if (gpu::Device* device = test::glDevice()) return device;
-    return makeError(ErrorCode::GlUnavailable, "GL is not here.");
-  }
-  TechniqueRegistry registry;
-  Capabilities capabilities;
-
- private:
-  LensHost() {
-    EXPECT_TRUE(angiography::registerAngiography(*this).ok());
-    EXPECT_TRUE(registerLens(*this).ok());
-    gpu::probe(capabilities);
-  }
-};
+test::GlHost& lensHost() {
+  static test::GlHost host({angiography::registerAngiography, registerLens});
+  return host;
+}
 
 struct PictureCase {
   Scene scene;
@@ -266,7 +249,7 @@ struct PictureCase {
     quality.engine = engine;
     // The lattice of GL: at review native would take exact maxima.
     if (engine == EngineChoice::Native) quality.technique = "projection.native";
-    LensHost& host = LensHost::instance();
+    test::GlHost& host = lensHost();
     return makePlan(scene, view, quality, host.capabilities, CostTable{}, sources, host.registry);
   }
   Images draw(EngineChoice engine) const {
@@ -277,7 +260,7 @@ struct PictureCase {
     images.allocate(view.width_px, view.height_px, false);
     for (const Pass& pass : p->passes) {
       EXPECT_EQ(pass.engine, engine == EngineChoice::Gl ? Engine::Gl : Engine::Native);
-      const auto done = LensHost::instance().registry.find(pass.technique)->execute(pass, images, {});
+      const auto done = lensHost().registry.find(pass.technique)->execute(pass, images, {});
       EXPECT_TRUE(done.ok()) << (done.ok() ? "" : done.error().text());
     }
     EXPECT_FALSE(images.rays);

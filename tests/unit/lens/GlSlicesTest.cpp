@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "../volume/Grids.h"
-#include "GlForTest.h"
+#include "GlHost.h"
 #include "LensTechniques.h"
 #include "vernier/dvr/Dvr.h"
 #include "vernier/lens/Lens.h"
@@ -15,27 +15,10 @@
 namespace vernier::lens {
 namespace {
 
-class SlicesHost final : public Host {
- public:
-  static SlicesHost& instance() {
-    static SlicesHost host;
-    return host;
-  }
-  Result<void> addTechnique(Technique t) override { return registry.add(std::move(t)); }
-  Result<gpu::Device*> glDevice() override {
-    if (gpu::Device* device = test::glDevice()) return device;
-    return makeError(ErrorCode::GlUnavailable, "GL is not here.");
-  }
-  TechniqueRegistry registry;
-  Capabilities capabilities;
-
- private:
-  SlicesHost() {
-    EXPECT_TRUE(dvr::registerDvr(*this).ok());
-    EXPECT_TRUE(registerLens(*this).ok());
-    gpu::probe(capabilities);
-  }
-};
+test::GlHost& lensHost() {
+  static test::GlHost host({dvr::registerDvr, registerLens});
+  return host;
+}
 
 constexpr const char* kSliced[] = {"dvr.rays",    "dvr.stacks", "dvr.stacks2",
                                    "dvr.stacks4", "dvr.slabs",  "dvr.strips"};
@@ -84,7 +67,7 @@ struct PictureCase {
     quality.engine = *named ? EngineChoice::Gl : EngineChoice::Native;
     quality.technique = named;
     quality.step = 0.5;
-    SlicesHost& host = SlicesHost::instance();
+    test::GlHost& host = lensHost();
     Images images;
     const Result<Plan> plan =
         makePlan(scene, view, quality, host.capabilities, CostTable{}, sources, host.registry);
@@ -176,7 +159,7 @@ TEST(GlSlicesWithLenses, ExtremesAreRefused) {
   for (const char* technique : kSliced) {
     Quality quality;
     quality.engine = EngineChoice::Gl, quality.technique = technique;
-    SlicesHost& host = SlicesHost::instance();
+    test::GlHost& host = lensHost();
     const auto plan =
         makePlan(c.scene, c.view, quality, host.capabilities, CostTable{}, c.sources, host.registry);
     ASSERT_FALSE(plan.ok());
