@@ -19,6 +19,10 @@ inline constexpr int kFineBits = 40, kLaneBits = 24;
 struct FastSlice {
   std::array<std::int64_t, 3> origin{}, right{}, down{}, step{};  // 2^-40 voxel
   alignas(64) std::int32_t lane[3][kBlock_px];                    // 2^-24 voxel, from the block's first pixel
+  // Where every fourth pixel (on odd rows: shifted by two) lies some rows further down, to be fetched ahead;
+  // 2^-24 voxel, from the block's first pixel.
+  alignas(16) std::int32_t ahead[2][3][kBlock_px / 4];
+  bool fetchAhead = false;
   std::array<std::int32_t, 3> laneMin{}, laneMax{};
   std::array<std::int64_t, 3> last{};       // greatest voxel index
   std::array<std::int64_t, 3> stride{};     // bytes from voxel to voxel

@@ -275,19 +275,21 @@ inline bool InnerTile(const FastSlice& s, const Tile& tile) {
   return true;
 }
 
-// Oblique planes meet new cache lines that the processor cannot foresee: asks for those of the same pixels
-// some rows further down, every fourth pixel, shifted by two on odd rows, on the side to which the rows move.
+// Oblique planes through large volumes meet new cache lines that the processor cannot foresee: asks for those
+// of the same pixels some rows further down.
 HWY_INLINE void FetchAhead(const FastSlice& s, const std::int64_t (&fine)[3], int y) {
-  constexpr int kRowsAhead = 6;
-  const std::int64_t side = (s.down[1] > 0 ? s.stride[1] : 0) + (s.down[2] > 0 ? s.stride[2] : 0);
-  std::int64_t at[3];
-  for (std::size_t a = 0; a < 3; ++a) at[a] = fine[a] + kRowsAhead * s.down[a] + 2 * (y & 1) * s.right[a];
-  for (int n = 0; n < kBlock_px; n += 4) {
-    std::int64_t offset = side;
-    for (std::size_t a = 0; a < 3; ++a) offset += (at[a] >> kFineBits) * s.stride[a], at[a] += 4 * s.right[a];
-    hwy::Prefetch(reinterpret_cast<const std::uint8_t*>(reinterpret_cast<std::uintptr_t>(s.data) +
-                                                        static_cast<std::uintptr_t>(offset)));
+  const hn::CappedTag<std::int32_t, 4> d4;
+  const Base base = BaseAt(fine);
+  alignas(16) std::int32_t offset[kBlock_px / 4];
+  auto at = hn::Zero(d4);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto lanes = hn::LoadU(d4, s.ahead[y & 1][a]);
+    const auto index = hn::ShiftRight<kLaneBits>(hn::Add(lanes, hn::Set(d4, base.part[a])));
+    at = hn::Add(at, hn::Mul(index, hn::Set(d4, static_cast<std::int32_t>(s.stride[a]))));
   }
+  hn::Store(at, d4, offset);
+  const std::uint8_t* const from = AddressOf(s, base);
+  for (const std::int32_t o : offset) hwy::Prefetch(from + o);
 }
 
 template <class T, Interpolation kI, bool kRange>
@@ -301,7 +303,7 @@ std::uint64_t DrawRows(const Scene<T>& scene, const Tile& tile, const std::stop_
     std::int64_t fine[3];
     for (std::size_t a = 0; a < 3; ++a) fine[a] = s.origin[a] + tile.x0 * s.right[a] + y * s.down[a];
     for (int x = tile.x0; x < tile.x1; x += kBlock_px) {
-      if (inner && s.samples == 1) FetchAhead(s, fine, y);
+      if (inner && s.fetchAhead) FetchAhead(s, fine, y);
       if (inner)
         DrawLanes<T, kI, kRange, true>(scene, fine, all, x, kBlock_px, y, OutAt(scene, x, y), samples);
       else

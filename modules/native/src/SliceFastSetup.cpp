@@ -101,6 +101,28 @@ void setNoData(FastSlice& s, const SliceJob& job) {
   s.hasRange = s.noFirstFloat <= s.noLastFloat;
 }
 
+// Single planes through volumes that the nearer caches do not hold. Not for wide steps, whose lanes would not
+// fit.
+void setFetchAhead(FastSlice& s, std::int64_t volumeBytes) {
+  constexpr std::int64_t kLargeVolume_bytes = std::int64_t{32} << 20;
+  constexpr int kRowsAhead = 6, drop = kFineBits - kLaneBits;
+  s.fetchAhead = s.samples == 1 && volumeBytes > kLargeVolume_bytes;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::int64_t down = kRowsAhead * s.down[a];
+    for (int odd = 0; odd < 2; ++odd)
+      for (int n = 0; n < kBlock_px / 4; ++n) {
+        const std::int64_t at = (down + (4 * n + 2 * odd) * s.right[a]) >> drop;
+        s.fetchAhead = s.fetchAhead && std::abs(at) < kReach_vox << kLaneBits >> 1;
+        s.ahead[odd][a][n] = static_cast<std::int32_t>(at);
+      }
+    // Of the two voxels that a sample lies between, the one to which the rows move: the other was read for
+    // them.
+    if (a > 0 && s.down[a] > 0)
+      for (auto& lanes : s.ahead)
+        for (std::int32_t& at : lanes[a]) at += 1 << kLaneBits;
+  }
+}
+
 }  // namespace
 
 std::optional<FastSlice> fastSliceOf(const SliceJob& job, const VoxelLattice& lattice,
@@ -122,6 +144,7 @@ std::optional<FastSlice> fastSliceOf(const SliceJob& job, const VoxelLattice& la
     return std::nullopt;
   s.data = reinterpret_cast<const std::uint8_t*>(v.data());
   setLattice(s, lattice);
+  setFetchAhead(s, s.stride[2] * g.slices);
   setValues(s, job, display);
   setNoData(s, job);
   return s;

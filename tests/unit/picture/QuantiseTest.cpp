@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "vernier/base/Threads.h"
+#include "vernier/native/Simd.h"
 
 namespace vernier {
 namespace {
@@ -73,6 +75,30 @@ TEST(Quantise, EveryPixelOfAPictureIsQuantisedAsItsNumbersAre) {
       const std::uint8_t marker[] = {kMarker.r, kMarker.g, kMarker.b};
       ASSERT_EQ(picture.pixels[3 * i + c], std::isnan(x) ? marker[c] : quantise(x)) << i;
     }
+}
+
+// The floats at and beside each half level and each level, in colours and in grey, on each instruction set.
+TEST(Quantise, TheNeighboursOfEveryHalfLevelAreRoundedAlikeOnEachInstructionSet) {
+  std::vector<float> values;
+  for (int half = 0; half <= 510; ++half) {
+    float x = static_cast<float>(half / 510.0);
+    for (int n = 0; n < 4; ++n) x = std::nextafter(x, -1.0f);
+    for (int n = 0; n < 9; ++n, x = std::nextafter(x, 2.0f)) values.push_back(x);
+  }
+  Images images;
+  images.allocate(static_cast<int>(values.size()), 2, false);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      images.colour[4 * i + c] = values[i];
+      images.colour[4 * (values.size() + i) + c] = values[(i + c * 1531) % values.size()];
+    }
+  for (const std::string& target : native::simdTargets()) {
+    ASSERT_TRUE(native::useSimdTarget(target));
+    const Picture picture = quantise(images);
+    native::useSimdTarget("");
+    for (std::size_t i = 0; i < picture.pixels.size(); ++i)
+      ASSERT_EQ(picture.pixels[i], quantise(images.colour[i / 3 * 4 + i % 3])) << target << " " << i;
+  }
 }
 
 }  // namespace
