@@ -2,6 +2,7 @@
 #include "Desk.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 namespace vernier::ui {
@@ -117,6 +118,44 @@ std::optional<Place> Desk::placeOfTile(int t) const {
   return placeOf(workspace_.tile(t).scene, *f, f->grid ? &*f->grid : nullptr, view);
 }
 
+namespace {
+
+std::optional<CameraPicture> cameraOf(const Scene& scene, const SourceFacts& facts, const View& view) {
+  if (!lookOf(scene) || !facts.grid || view.width_px < 1 || view.height_px < 1) return std::nullopt;
+  const Result<CameraPicture> camera = cameraPicture(scene.camera, view, cameraBox(*facts.grid));
+  if (!camera) return std::nullopt;
+  return *camera;
+}
+
+}  // namespace
+
+std::optional<CameraPicture> Desk::cameraOfTile(int t) const {
+  const SourceFacts* f = workspace_.factsOfTile(t);
+  return f ? cameraOf(workspace_.tile(t).scene, *f, tileView(t).view) : std::nullopt;
+}
+
+std::optional<Picked> Desk::pick(int t, glm::dvec2 px) const {
+  const TileView& shown = tileView(t);
+  if (!shown.picture || !shown.camera) return std::nullopt;
+  const Layer* look = lookOf(shown.picture->scene);
+  const auto* projection = look ? std::get_if<ProjectionLayer>(look) : nullptr;
+  if (projection && projection->mode != ProjectionMode::Max && projection->mode != ProjectionMode::Min)
+    return std::nullopt;
+  const Depths& d = shown.picture->depths;
+  const View& view = shown.picture->view;
+  const glm::dvec2 middle(0.5 * view.width_px, 0.5 * view.height_px), small(0.5 * d.width, 0.5 * d.height);
+  const glm::dvec2 at = glm::floor((px - middle) / d.perPixel + small);
+  if (!(at.x >= 0 && at.y >= 0 && at.x < d.width && at.y < d.height)) return std::nullopt;
+  const std::size_t n =
+      static_cast<std::size_t>(at.y) * static_cast<std::size_t>(d.width) + static_cast<std::size_t>(at.x);
+  const double depth = d.depth_mm[n];
+  if (!std::isfinite(depth)) return std::nullopt;
+  const glm::dvec2 centre = (at + 0.5 - small) * d.perPixel + middle;
+  Picked p{shown.camera->ray(centre.x, centre.y).at(depth), {}};
+  if (!d.values.empty() && std::isfinite(d.values[n])) p.value = d.values[n];
+  return p;
+}
+
 void Desk::opened(Opened o) {
   const std::string title =
       o.paths.size() == 1 ? lastPart(o.paths[0])
@@ -167,7 +206,9 @@ bool Desk::takeReady() {
     if (!posted || p.generation < posted->since) continue;  // of what the tile showed before
     const SourceFacts* f = workspace_.facts(posted->source);
     tile.place.reset();
+    tile.camera.reset();
     if (f) tile.place = placeOf(p.scene, *f, f->grid ? &*f->grid : nullptr, p.view);
+    if (f) tile.camera = cameraOf(p.scene, *f, p.view);
     tile.picture = std::move(p);
     ++tile.pictureNumber;
   }
@@ -186,13 +227,14 @@ void Desk::postTile(int t, bool onScreen) {
       posted.reset();
       shown.picture.reset();
       shown.place.reset();
+      shown.camera.reset();
     }
     if (tile.empty() || !d) return;
   }
   if (!onScreen || shown.view.width_px < 1 || shown.view.height_px < 1) return;
-  if (sliceOf(tile.scene) && !d->session->readyVolume(tile.source.name)) {
+  if (needsVolume(tile.scene) && !d->session->readyVolume(tile.source.name)) {
     if (!volumeError(tile.source) && !volumesAsked_.contains(tile.source)) retryVolume(tile.source);
-    if (posted && !sliceOf(posted->scene)) render_.forget(t), posted.reset(), shown.picture.reset();
+    if (posted && !needsVolume(posted->scene)) render_.forget(t), posted.reset(), shown.picture.reset();
     return;
   }
   Scene scene = workspace_.sceneOf(t);

@@ -11,6 +11,7 @@
 #include "RenderService.h"
 #include "Workspace.h"
 #include "vernier/measure/Measure.h"
+#include "vernier/plan/CameraPicture.h"
 
 namespace vernier::ui {
 
@@ -27,6 +28,13 @@ struct TileView {
   std::optional<FinishedPicture> picture;  // the newest; may be of an older scene
   std::uint64_t pictureNumber = 0;         // counts pictures, for textures
   std::optional<Place> place;              // of `picture`
+  std::optional<CameraPicture> camera;     // the same of a look through a volume
+};
+
+// What a look through a volume shows at a pixel.
+struct Picked {
+  PatientPoint point;
+  std::optional<double> value;  // of projections: the modality value that is shown
 };
 
 class Desk {
@@ -68,6 +76,10 @@ class Desk {
   const std::vector<std::string>& messages() const { return messages_; }
   void dismissMessages() { messages_.clear(); }
   std::optional<Place> placeOfTile(int t) const;  // of the scene as it is now
+  std::optional<CameraPicture> cameraOfTile(int t) const;
+  // The point that is seen there: of a maximum or minimum where it lies, of renderings where half of the
+  // light is gone, of surfaces the first hit. nullopt: nothing is there, or it has no depth (means and sums).
+  std::optional<Picked> pick(int t, glm::dvec2 px) const;
   // DeskMeasure.cpp. What a measurement says, found once for each change of it; nullptr while its volume is
   // not there.
   const Result<measure::Measured>* said(const Drawn&);

@@ -150,13 +150,17 @@ Probe probeImage(const Place& place, const ImageFrame& frame, const SourceFacts&
 Probe probeVolume(const Place& place, const Volume& volume, const SourceFacts& facts, glm::dvec2 px,
                   bool slab) {
   const PatientPoint at = place.patientAt(px);
+  if (!slab) return probePoint(volume, facts, at);
   Probe p;
   p.place = placeText(at);
-  if (slab) {
-    p.value = "projected";
-    p.origin = "a slab has no single value under the pointer";
-    return p;
-  }
+  p.value = "projected";
+  p.origin = "a slab has no single value under the pointer";
+  return p;
+}
+
+Probe probePoint(const Volume& volume, const SourceFacts& facts, PatientPoint at) {
+  Probe p;
+  p.place = placeText(at);
   const auto nearest = probeStored(volume, at);
   const auto here = sampleModality(volume, at);
   if (!nearest) return p.value = "", p;

@@ -43,6 +43,9 @@ struct Probe {
 Probe probeImage(const Place&, const ImageFrame&, const SourceFacts&, glm::dvec2 px);
 Probe probeVolume(const Place&, const Volume&, const SourceFacts&, glm::dvec2 px, bool slab);
 
+// Of a point that a look through the volume shows.
+Probe probePoint(const Volume&, const SourceFacts&, PatientPoint);
+
 std::string placeText(PatientPoint);
 
 }  // namespace vernier::ui

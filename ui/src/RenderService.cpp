@@ -2,11 +2,14 @@
 #include "RenderService.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "Annotations.h"
+#include "Enlarge.h"
 #include "vernier/base/Guarded.h"
 #include "vernier/picture/Hatch.h"
 #include "vernier/picture/Quantise.h"
+#include "vernier/plan/Volumetric.h"
 #include "vernier/volume/Voi.h"
 
 namespace vernier::ui {
@@ -24,6 +27,12 @@ Picture withAlpha(const Picture& rgb) {
   return out;
 }
 
+const Layer* topSlice(const Scene& scene) {
+  for (auto layer = scene.layers.rbegin(); layer != scene.layers.rend(); ++layer)
+    if (std::holds_alternative<SliceLayer>(*layer)) return &*layer;
+  return nullptr;
+}
+
 // What the tile shows, and how values become grey.
 Result<void> describeSource(app::Session& session, FinishedPicture& out) {
   if (const ImageLayer* layer = imageOf(out.scene)) {
@@ -37,14 +46,19 @@ Result<void> describeSource(app::Session& session, FinishedPicture& out) {
     out.inverted = layer->invert != info.inverted;
     out.findings = info.findings;
     out.windowFacts = {info.unit, info.windows, info.voiLuts, info.autoWindow, {}};
-  } else if (const SliceLayer* slice = sliceOf(out.scene)) {
-    auto volume = session.volume(slice->source);
+  } else if (const Layer* through = lookOf(out.scene) ? lookOf(out.scene) : topSlice(out.scene)) {
+    auto volume = session.volume(*volumeOf(*through));
     if (!volume) return volume.error();
     out.volume = std::move(*volume);
     const VolumeInfo& info = out.volume->info();
-    const VoiWindow usual = session.defaultWindowOf(*out.volume);
-    out.window = slice->window && usableWindow(*slice->window) ? *slice->window : usual;
-    out.inverted = slice->invert != info.inverted;
+    Layer shown = *through;
+    const auto* window = windowOf(shown);
+    const bool* inverted = inversionOf(shown);
+    const bool colour = out.volume->isColour();
+    VoiWindow usual = session.defaultWindowOf(*out.volume);
+    if (lookOf(out.scene) && !colour) usual = wholeRange(*out.volume);
+    out.window = window && *window && usableWindow(**window) ? **window : usual;
+    out.inverted = inverted && *inverted != (sliceOf(out.scene) && info.inverted);
     out.findings = info.findings;
     out.windowFacts = {info.unit, info.windows, {}, info.windows.empty() ? usual : VoiWindow{}, {}};
     if (const auto range = out.volume->modalityRange()) out.windowFacts.range = {range->min, range->max};
@@ -52,8 +66,28 @@ Result<void> describeSource(app::Session& session, FinishedPicture& out) {
   return {};
 }
 
+// Fewer pixels than the picture has, with the same picture in them: its height is what cameras go by.
+View coarser(View view, int coarse) {
+  if (coarse < 2) return view;
+  const int height = (view.height_px + coarse - 1) / coarse;
+  const double perPixel = static_cast<double>(view.height_px) / height;
+  view.width_px = static_cast<int>(std::ceil(view.width_px / perPixel));
+  view.height_px = height;
+  return view;
+}
+
+Depths depthsOf(const Images& images, const View& shown) {
+  return {images.width, images.height, static_cast<double>(shown.height_px) / images.height, images.depth,
+          images.values};
+}
+
 Result<void> finish(app::Session& session, const app::Rendered& r, double scale, FinishedPicture& out) {
   Picture picture = quantise(r.frame.images);
+  if (lookOf(out.scene)) {
+    out.depths = depthsOf(r.frame.images, out.view);
+    if (picture.height != out.view.height_px)
+      picture = enlarged(picture, out.depths.perPixel, out.view.width_px, out.view.height_px);
+  }
   if (const SliceLayer* slice = sliceOf(out.scene); slice && out.volume) {
     const Result<SlicePicture> place = slicePicture(*slice, out.scene.camera, out.view, *out.volume);
     if (!place) return place.error();
@@ -100,7 +134,23 @@ void RenderService::forget(int tile) {
   slot.request.reset();
   slot.finished.reset();
   slot.stage = Stage::Done;
+  slot.msPerPixel.reset();
   if (working_ == tile) refining_.request_stop();
+}
+
+RenderService::Slot* RenderService::due(Stage stage) {
+  for (Slot& slot : slots_)
+    if (slot.stage == stage && slot.request) return &slot;
+  return nullptr;
+}
+
+// Pixels of the screen for one of the draft.
+int RenderService::coarseOf(const Slot& slot) {
+  if (!lookOf(slot.request->scene)) return 1;
+  if (!slot.msPerPixel) return 2;
+  const View& v = slot.request->view;
+  const double whole_ms = *slot.msPerPixel * v.width_px * v.height_px;
+  return std::clamp(static_cast<int>(std::ceil(std::sqrt(whole_ms / kDraft_ms))), 1, kCoarsest);
 }
 
 std::vector<FinishedPicture> RenderService::take() {
@@ -132,8 +182,9 @@ std::uint64_t RenderService::drawn() const {
   return drawn_;
 }
 
-FinishedPicture RenderService::draw(const RenderRequest& request, bool measure, Frame& reuse,
+FinishedPicture RenderService::draw(const RenderRequest& request, Stage stage, int coarse, Frame& reuse,
                                     std::stop_token stop) {
+  const bool measure = stage == Stage::Refine;
   FinishedPicture out;
   out.tile = request.tile, out.generation = request.generation;
   out.scene = request.scene, out.view = request.view;
@@ -143,8 +194,11 @@ FinishedPicture RenderService::draw(const RenderRequest& request, bool measure, 
     quality.level = measure ? QualityLevel::Review : QualityLevel::Draft;
     app::RenderOptions options;
     options.measure = measure;
+    View view = coarser(request.view, coarse);
+    const Layer* look = lookOf(request.scene);
+    view.wantValues = look && std::holds_alternative<ProjectionLayer>(*look);
     Result<app::Rendered> r =
-        request.session->render(request.scene, request.view, quality, options, stop, std::move(reuse));
+        request.session->render(request.scene, view, quality, options, stop, std::move(reuse));
     if (!r) return r.error();
     const Result<void> done = finish(*request.session, *r, request.scale, out);
     reuse = std::move(r->frame);
@@ -157,41 +211,47 @@ FinishedPicture RenderService::draw(const RenderRequest& request, bool measure, 
 void RenderService::loop(std::stop_token stop) {
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
-    const auto due = [&](Stage stage) -> Slot* {
-      for (Slot& slot : slots_)
-        if (slot.stage == stage && slot.request) return &slot;
-      return nullptr;
-    };
-    Slot* slot = due(Stage::Draft);
-    if (!slot && (slot = due(Stage::Refine))) {
-      const auto begin = lastPost_ + std::chrono::milliseconds(kIdle_ms);
-      if (std::chrono::steady_clock::now() < begin) {
-        const auto seen = lastPost_;
-        changed_.wait_until(lock, stop, begin, [&] { return lastPost_ != seen; });
-        continue;
+    Slot* slot = nullptr;
+    auto begin = lastPost_;
+    for (const auto& [stage, after_ms] :
+         {std::pair{Stage::Draft, 0}, {Stage::Sharpen, kSharpen_ms}, {Stage::Refine, kIdle_ms}})
+      if ((slot = due(stage))) {
+        begin = lastPost_ + std::chrono::milliseconds(after_ms);
+        break;
       }
-    }
     if (!slot) {
-      changed_.wait(lock, stop, [&] { return due(Stage::Draft) || due(Stage::Refine); });
+      changed_.wait(lock, stop, [&] { return due(Stage::Draft) != nullptr; });
       continue;
     }
-    const bool measure = slot->stage == Stage::Refine;
+    if (std::chrono::steady_clock::now() < begin) {
+      const auto seen = lastPost_;
+      changed_.wait_until(lock, stop, begin, [&] { return lastPost_ != seen; });
+      continue;
+    }
+    const Stage stage = slot->stage;
+    const int coarse = stage == Stage::Draft ? coarseOf(*slot) : 1;
     const RenderRequest request = *slot->request;
     working_ = request.tile;
     refining_ = std::stop_source();
     if (stop.stop_requested()) refining_.request_stop();  // closed meanwhile
-    const std::stop_token cancel = measure ? refining_.get_token() : stop;
+    const bool draft = stage == Stage::Draft;
+    const std::stop_token cancel = draft ? stop : refining_.get_token();
     lock.unlock();
-    FinishedPicture picture = draw(request, measure, slot->reuse, cancel);
+    FinishedPicture picture = draw(request, stage, coarse, slot->reuse, cancel);
     lock.lock();
     working_.reset();
     // A newer request, or one that was forgotten, takes no picture of the old one; a draft is shown all the
     // same, so that the picture moves while requests come faster than pictures.
     const bool current = slot->request && slot->request->generation == request.generation;
     const bool cancelled = picture.error && picture.error->code == ErrorCode::Cancelled;
-    if (current) slot->stage = measure && !cancelled ? Stage::Done : Stage::Refine;
-    if (current && !measure && picture.error) slot->stage = Stage::Done;
-    const bool useless = measure ? picture.error || !current : cancelled || (picture.error && !current);
+    if (current && !cancelled)
+      slot->stage = picture.error || stage == Stage::Refine ? Stage::Done
+                    : coarse > 1                            ? Stage::Sharpen
+                                                            : Stage::Refine;
+    if (slot->request && stage != Stage::Refine && picture.depths.width > 0)
+      slot->msPerPixel =
+          picture.render_ms / (static_cast<double>(picture.depths.width) * picture.depths.height);
+    const bool useless = draft ? cancelled || (picture.error && !current) : picture.error || !current;
     if (useless || !slot->request) continue;  // a refinement that fails leaves the draft in sight
     ++drawn_;
     slot->finished = std::move(picture);

@@ -5,6 +5,9 @@
 // their measured error, which the next request cancels. Never more than one finished picture waits for a
 // tile.
 //
+// Looks through a volume that take longer than kDraft_ms are drafted with fewer pixels and enlarged, so that
+// they follow the hand; kSharpen_ms after the last request they are drawn with all of their pixels.
+//
 // Threads: all public functions from any thread. `wake` is called from the service's thread whenever a
 // picture is ready.
 #pragma once
@@ -24,7 +27,8 @@
 
 namespace vernier::ui {
 
-inline constexpr int kIdle_ms = 180;
+inline constexpr int kIdle_ms = 180, kSharpen_ms = 60, kDraft_ms = 50;
+inline constexpr int kCoarsest = 4;  // pixels of the screen a drafted one, each way
 
 struct RenderRequest {
   int tile = 0;
@@ -33,6 +37,15 @@ struct RenderRequest {
   Scene scene;  // its volumes are built already
   View view;
   double scale = 1;  // of letters
+};
+
+// What a look through a volume has at its pixels. A draft has fewer of them than the picture: `perPixel` is
+// the length of one in pixels of the picture, whose middles coincide.
+struct Depths {
+  int width = 0, height = 0;
+  double perPixel = 1;
+  std::vector<float> depth_mm;  // along the pixel's ray (CameraPicture), kNothing_mm: nothing there
+  std::vector<float> values;    // of projections: the modality value shown
 };
 
 struct FinishedPicture {
@@ -50,7 +63,8 @@ struct FinishedPicture {
   double render_ms = 0;
   std::vector<Finding> findings;
   std::shared_ptr<const ImageFrame> frame;  // of an image layer
-  std::shared_ptr<const Volume> volume;     // of a slice layer
+  std::shared_ptr<const Volume> volume;     // of a slice, or of a look through it
+  Depths depths;                            // of looks
   VoiWindow window;                         // in use
   bool inverted = false;                    // high values are dark
   WindowFacts windowFacts;
@@ -72,15 +86,18 @@ class RenderService {
   std::uint64_t drawn() const;  // drafts and refinements finished so far
 
  private:
-  enum class Stage { Done, Draft, Refine };
+  enum class Stage { Done, Draft, Sharpen, Refine };
   struct Slot {
     std::optional<RenderRequest> request;
     Stage stage = Stage::Done;
     std::optional<FinishedPicture> finished;
     Frame reuse;
+    std::optional<double> msPerPixel;  // of the last look drawn here at draft quality
   };
   void loop(std::stop_token);
-  FinishedPicture draw(const RenderRequest&, bool measure, Frame& reuse, std::stop_token);
+  Slot* due(Stage);
+  FinishedPicture draw(const RenderRequest&, Stage, int coarse, Frame& reuse, std::stop_token);
+  static int coarseOf(const Slot&);
 
   std::function<void()> wake_;
   mutable std::mutex mutex_;

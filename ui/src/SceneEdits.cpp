@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 
 #include "vernier/plan/Presets.h"
 
@@ -12,6 +14,7 @@ namespace {
 constexpr double kOnSlice_mm = 1e-3;
 constexpr double kLeastZoom = 0.05, kMostZoom = 200;
 constexpr double kZoomPerPixel = 0.01;  // e-fold in 100 px
+constexpr double kTurn_degPerPixel = 0.5;
 
 template <class T>
 T* topmost(Scene& scene) {
@@ -34,6 +37,47 @@ double offset_mm(const SliceLayer& layer, const GridGeometry& grid, std::int64_t
 
 const ImageLayer* imageOf(const Scene& scene) { return topmost<ImageLayer>(scene); }
 const SliceLayer* sliceOf(const Scene& scene) { return topmost<SliceLayer>(scene); }
+
+const Layer* lookOf(const Scene& scene) {
+  for (auto layer = scene.layers.rbegin(); layer != scene.layers.rend(); ++layer)
+    if (looksThroughVolume(*layer)) return &*layer;
+  return nullptr;
+}
+
+bool needsVolume(const Scene& scene) { return sliceOf(scene) || lookOf(scene); }
+
+std::optional<VoiWindow>* windowOf(Layer& layer) {
+  return std::visit(
+      [](auto& l) -> std::optional<VoiWindow>* {
+        if constexpr (requires { l.window; })
+          return &l.window;
+        else
+          return nullptr;
+      },
+      layer);
+}
+
+bool* inversionOf(Layer& layer) {
+  return std::visit(
+      [](auto& l) -> bool* {
+        if constexpr (requires { l.invert; })
+          return &l.invert;
+        else
+          return nullptr;
+      },
+      layer);
+}
+
+Scene withSource(Scene scene, const std::string& source) {
+  for (Layer& layer : scene.layers)
+    std::visit(
+        [&](auto& l) {
+          using L = std::remove_cvref_t<decltype(l)>;
+          if constexpr (requires { l.source; } && !std::is_same_v<L, SurfaceLayer>) l.source = source;
+        },
+        layer);
+  return scene;
+}
 
 Scene scrolledImage(Scene scene, int notches, std::int64_t count) {
   if (auto* image = topmost<ImageLayer>(scene); image && count > 0)
@@ -107,6 +151,35 @@ Scene zoomed(Scene scene, glm::dvec2 drag_px, glm::dvec2 fromCentre_px, double u
   const double shift = unit_mm * (1 - before / after);
   scene.camera.pan_mm += glm::dvec2(fromCentre_px.x, -fromCentre_px.y) * shift;
   return scene;
+}
+
+Scene turned(Scene scene, glm::dvec2 drag_px, double scale) {
+  Camera& c = scene.camera;
+  const glm::dvec2 hand = drag_px * (kTurn_degPerPixel / scale);
+  // As the camera's own right and up see the hand: rolled clockwise, its right points down on the screen.
+  const double roll = glm::radians(c.roll_deg);
+  const double right = std::cos(roll) * hand.x - std::sin(roll) * hand.y;
+  const double down = std::sin(roll) * hand.x + std::cos(roll) * hand.y;
+  c.azimuth_deg = std::remainder(c.azimuth_deg - right, 360.0);
+  c.elevation_deg = std::clamp(c.elevation_deg + down, -90.0, 90.0);
+  return scene;
+}
+
+TransferFunction draggedTransfer(const TransferFunction& from, glm::dvec2 drag_px, double scale) {
+  double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+  const auto meet = [&](double v) { lo = std::min(lo, v), hi = std::max(hi, v); };
+  for (const ColourPoint& p : from.colours) meet(p.value);
+  for (const OpacityPoint& p : from.opacities) meet(p.value);
+  if (!(hi > lo)) return from;
+  const VoiWindow before{0.5 * (lo + hi), hi - lo, VoiFunction::LinearExact, ""};
+  const VoiWindow after = draggedWindow(before, drag_px, false, scale);
+  TransferFunction f = from;
+  const auto map = [&](double v) {
+    return after.center + (v - before.center) * (after.width / before.width);
+  };
+  for (ColourPoint& p : f.colours) p.value = map(p.value);
+  for (OpacityPoint& p : f.opacities) p.value = map(p.value);
+  return f;
 }
 
 Plane through(Plane plane, PatientPoint p) {

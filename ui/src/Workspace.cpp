@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "Looks.h"
 #include "vernier/plan/Presets.h"
 #include "vernier/volume/Voi.h"
 
@@ -21,6 +22,11 @@ Scene withGreyOf(Scene scene, const Scene& shown) {
   if (const auto window = image ? image->window : slice ? slice->window : std::nullopt)
     scene = withWindow(std::move(scene), *window);
   return withInversion(std::move(scene), image ? image->invert : slice && slice->invert);
+}
+
+// Slices and images of a source are windowed alike, and so are looks through its volume.
+bool sharesGrey(const Tile& a, const Tile& b) {
+  return a.source == b.source && (lookOf(a.scene) != nullptr) == (lookOf(b.scene) != nullptr);
 }
 
 constexpr const char* kMprViews[] = {"axial", "coronal", "sagittal", "oblique"};
@@ -62,7 +68,8 @@ void Workspace::forget(int document) {
 }
 
 Arrangement& Workspace::edit(Gesture kind, int t) {
-  const bool gathers = dragging_ || kind == Gesture::Scroll || kind == Gesture::LensSize;
+  const bool gathers = dragging_ || kind == Gesture::Scroll || kind == Gesture::LensSize ||
+                       kind == Gesture::WheelZoom || kind == Gesture::WheelTurn;
   const GestureKey key{dragging_ ? Gesture::Open : kind, dragging_ ? 0 : t, dragging_ ? drags_ : -1};
   if (!gathers || !last_ || *last_ != key) {
     past_.push_back(now_);
@@ -173,12 +180,10 @@ PatientPoint Workspace::firstCrosshair(const SourceFacts& f, const Scene& shown)
 }
 
 Result<void> Workspace::openMpr() {
-  const SourceFacts* f = factsOfTile(now_.active);
-  if (!f) return makeError(ErrorCode::NothingToLoad, "Open a series first.");
-  if (!f->grid)
-    return makeError(ErrorCode::GeometryRefused,
-                     f->why2d.empty() ? "This stack was not found fit for 3-D." : f->why2d);
-  const Scene shown = tile(now_.active).scene;
+  const Result<const SourceFacts*> fit = fitFor3d();
+  if (!fit) return fit.error();
+  const SourceFacts* f = *fit;
+  const Scene shown = shownGrey();
   const PatientPoint p = firstCrosshair(*f, shown);
   Arrangement& a = edit(Gesture::Layout, -1);
   a.layout = Layout::Quad;
@@ -198,13 +203,10 @@ void Workspace::replaceSource(int t, const SourceId& source) {
   if (!f || tile(t).empty() || tile(t).source == source) return;
   edit(Gesture::Scroll, t);
   at(t).source = source;
-  for (Layer& layer : at(t).scene.layers) {
-    if (auto* slice = std::get_if<SliceLayer>(&layer)) slice->source = source.name;
-    if (auto* image = std::get_if<ImageLayer>(&layer)) {
-      image->source = source.name;
+  at(t).scene = withSource(std::move(at(t).scene), source.name);
+  for (Layer& layer : at(t).scene.layers)
+    if (auto* image = std::get_if<ImageLayer>(&layer))
       image->index = std::clamp<std::int64_t>(image->index, 0, std::max<std::int64_t>(0, f->count() - 1));
-    }
-  }
 }
 
 void Workspace::toggleMaximised(int t) {
@@ -248,11 +250,10 @@ void Workspace::choose(int t, const WindowChoice& choice) {
   if (tile(t).empty()) return;
   edit(Gesture::Window, t);
   for (Tile& tile : now_.tiles) {
-    if (tile.source != this->tile(t).source) continue;
+    if (!sharesGrey(tile, this->tile(t))) continue;
     for (Layer& layer : tile.scene.layers) {
-      if (auto* slice = std::get_if<SliceLayer>(&layer)) slice->window = choice.window;
-      if (auto* image = std::get_if<ImageLayer>(&layer))
-        image->window = choice.window, image->voiLut = choice.voiLut;
+      if (auto* window = windowOf(layer)) *window = choice.window;
+      if (auto* image = std::get_if<ImageLayer>(&layer)) image->voiLut = choice.voiLut;
     }
   }
 }
@@ -261,11 +262,9 @@ void Workspace::invert(int t) {
   if (tile(t).empty()) return;
   edit(Gesture::Invert, t);
   for (Tile& tile : now_.tiles) {
-    if (tile.source != this->tile(t).source) continue;
-    for (Layer& layer : tile.scene.layers) {
-      if (auto* slice = std::get_if<SliceLayer>(&layer)) slice->invert = !slice->invert;
-      if (auto* image = std::get_if<ImageLayer>(&layer)) image->invert = !image->invert;
-    }
+    if (!sharesGrey(tile, this->tile(t))) continue;
+    for (Layer& layer : tile.scene.layers)
+      if (bool* inverted = inversionOf(layer)) *inverted = !*inverted;
   }
 }
 
@@ -273,7 +272,8 @@ void Workspace::resetView(int t) {
   const SourceFacts* f = factsOfTile(t);
   if (!f) return;
   Scene scene = tile(t).scene;
-  const std::optional<Scene> fresh = sceneFor(*f, tile(t).view);
+  const std::optional<Scene> fresh =
+      lookOf(scene) ? sceneOfLook({"", tile(t).view, ""}, *f) : sceneFor(*f, tile(t).view);
   scene.camera = fresh ? fresh->camera : Camera{};
   if (scene == tile(t).scene) return;
   edit(Gesture::Reset, t);
@@ -284,7 +284,8 @@ void Workspace::setScene(int t, Gesture kind, Scene scene) {
   if (scene == tile(t).scene) return;
   edit(kind, t);
   at(t).scene = std::move(scene);
-  if (kind == Gesture::Pan || kind == Gesture::Zoom)
+  if (kind == Gesture::Pan || kind == Gesture::Zoom || kind == Gesture::Turn || kind == Gesture::WheelZoom ||
+      kind == Gesture::WheelTurn)
     for (const int other : shown())
       if (follows(other, t)) at(other).scene.camera = tile(t).scene.camera;
 }

@@ -23,7 +23,7 @@ constexpr int tilesOf(Layout l) { return l == Layout::Single ? 1 : l == Layout::
 
 struct Tile {
   SourceId source;   // document -1: empty
-  std::string view;  // "stack", "axial", "coronal", "sagittal", "oblique"
+  std::string view;  // "stack", "axial", "coronal", "sagittal", "oblique"; through a volume: Looks.h
   Scene scene;
   bool empty() const { return source.document < 0; }
   friend bool operator==(const Tile&, const Tile&) = default;
@@ -44,7 +44,8 @@ struct PlacedLens {
   LensLayer layer;
   friend bool operator==(const PlacedLens&, const PlacedLens&) = default;
 };
-struct LensLook;  // Lenses.h
+struct LensLook;    // Lenses.h
+struct VolumeLook;  // Looks.h
 
 // All that undo brings back.
 struct Arrangement {
@@ -70,6 +71,10 @@ enum class Gesture {
   Window,
   Pan,
   Zoom,
+  Turn,
+  WheelZoom,  // and by keys: one after the other they are one step of undo
+  WheelTurn,
+  Look,
   Crosshair,
   Reset,
   Invert,
@@ -112,13 +117,18 @@ class Workspace {
   // 2x2 with axial, coronal, sagittal and oblique of the active tile's source, through the crosshair and the
   // image that was shown. A refusal says why not.
   Result<void> openMpr();
+  // WorkspaceLooks.cpp. 2x2 with axial, coronal, sagittal (as they are, where they are shown already) and a
+  // look through the volume, which becomes active. A refusal says why not.
+  Result<void> open3d();
+  // A tile of a volume shows this look; a camera and a window that were chosen stay.
+  void setLook(int t, const VolumeLook&);
   // Another stack of the same layout (the next time point) in place of the tile's, all else as it is.
   void replaceSource(int t, const SourceId&);
   void toggleMaximised(int t);
 
   void scroll(int t, int notches);
   void setImage(int t, std::int64_t index);
-  // To all tiles of the same source.
+  // To all tiles of the same source: slices and images, or looks through its volume, as this tile is.
   void setWindow(int t, const VoiWindow&);
   void choose(int t, const WindowChoice&);
   void invert(int t);
@@ -175,6 +185,8 @@ class Workspace {
  private:
   Arrangement& edit(Gesture, int t);
   Tile& at(int t) { return now_.tiles[static_cast<std::size_t>(t)]; }
+  Result<const SourceFacts*> fitFor3d() const;
+  Scene shownGrey() const;
   void placeThrough(Arrangement&, const std::string& linkKey, PatientPoint);
   bool follows(int other, int t) const;
   void follow(int t, int notches);

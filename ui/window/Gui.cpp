@@ -71,6 +71,8 @@ void Gui::keys() {
   if (pressed(GLFW_KEY_F3)) w.setLayout(Layout::Pair);
   if (pressed(GLFW_KEY_F4))
     if (const Result<void> r = desk_.openMpr(); !r) why_ = r.error().sentence;
+  if (pressed(GLFW_KEY_F5))
+    if (const Result<void> r = w.open3d(); !r) why_ = r.error().sentence;
   const std::pair<int, Tool> tools[] = {{GLFW_KEY_W, Tool::Window},
                                         {GLFW_KEY_C, Tool::Crosshair},
                                         {GLFW_KEY_P, Tool::Pan},
@@ -84,6 +86,7 @@ void Gui::keys() {
   if (pressed(GLFW_KEY_F)) (void)mayLayOver();  // says why not; while it is down: TilePanel.cpp
   if (pressed(GLFW_KEY_I)) w.invert(active);
   if (pressed(GLFW_KEY_R)) w.resetView(active);
+  if (lookKeys()) return;
   if (ImGui::IsKeyPressed(GLFW_KEY_DOWN) || ImGui::IsKeyPressed(GLFW_KEY_PAGE_DOWN)) w.scroll(active, 1);
   if (ImGui::IsKeyPressed(GLFW_KEY_UP) || ImGui::IsKeyPressed(GLFW_KEY_PAGE_UP)) w.scroll(active, -1);
   if (pressed(GLFW_KEY_HOME)) w.scroll(active, -1'000'000);
@@ -117,16 +120,20 @@ void Gui::layoutButtons() {
   std::string hint = "Axial, coronal, sagittal and oblique of this stack (F4)";
   if (f && !can) hint = "Not for this stack: " + f->why2d;
   if (!f) hint = "Open a series first.";
-  const bool clicked = toggle("MPR", now == Layout::Quad, hint.c_str());
+  const bool through = lookOf(w.tile(kTiles - 1).scene) != nullptr;
+  const bool mpr = toggle("MPR", now == Layout::Quad && !through, hint.c_str());
+  ImGui::SameLine();
+  if (can) hint = "Slices and a look through the volume: MIP, rendering, surface (F5)";
+  const bool look = toggle("3-D", now == Layout::Quad && through, hint.c_str());
   if (!can) ImGui::PopStyleColor();
-  if (!clicked) return;
-  const Result<void> r = desk_.openMpr();
+  if (!mpr && !look) return;
+  const Result<void> r = mpr ? desk_.openMpr() : w.open3d();
   why_ = r ? "" : r.error().sentence;
 }
 
 void Gui::toolButtons() {
   const std::tuple<const char*, Tool, const char*> rows[] = {
-      {"Window", Tool::Window, "Left drag: right wider, up brighter (W)"},
+      {"Window", Tool::Window, "Left drag: right wider, up brighter (W). In 3-D it turns; Shift: window"},
       {"Crosshair", Tool::Crosshair, "Left drag moves the crosshair (C); Ctrl+drag with any tool"},
       {"Pan", Tool::Pan, "Left drag moves the picture (P); middle drag with any tool"},
       {"Zoom", Tool::Zoom, "Left drag magnifies (Z); right drag with any tool"},
@@ -143,6 +150,7 @@ void Gui::windowMenu() {
   const auto& shown = desk_.tileView(active).picture;
   const bool can = shown && !shown->error;
   ImGui::SetNextItemWidth(theme_.px(132));
+  if (lookMenu()) return;
   if (!ImGui::BeginCombo("##presets", "Presets", ImGuiComboFlags_HeightLarge)) return;
   if (can) {
     if (ImGui::Selectable("File default   0")) w.choose(active, {});

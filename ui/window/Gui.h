@@ -12,7 +12,7 @@
 
 namespace vernier::ui {
 
-enum class Tool { Window, Crosshair, Pan, Zoom, Scroll };
+enum class Tool { Window, Crosshair, Pan, Zoom, Scroll, Turn };  // Turn: of looks through a volume only
 
 class Gui {
  public:
@@ -49,6 +49,7 @@ class Gui {
     double unit_mm = 1;
     glm::dvec2 fromCentre_px{0, 0};
     int scrolled = 0;
+    TransferFunction transfer;  // of a rendering whose window is dragged
   };
 
   // Gui.cpp
@@ -77,6 +78,15 @@ class Gui {
   void drag();
   void hoverDetails(int t, Rect);
   void probe(int t, Rect);
+  // LookTools.cpp
+  bool lookMenu();  // false: the active tile is no look through a volume
+  bool lookKeys();
+  void lookWheel(int t, Rect, float notches);
+  bool beginLookDrag(int t, Drag&);  // false: there is nothing to drag
+  void dragLook(const Drag&, glm::dvec2 way);
+  bool moveCrosshairTo(int t, glm::dvec2 px);
+  void probeLook(int t, glm::dvec2 px);
+  void crosshairInLook(int t, Rect);
   // Sketching.cpp
   void takeRuler(std::optional<Ruler>);
   void measureKeys();

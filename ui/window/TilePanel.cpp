@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "Gui.h"
+#include "Looks.h"
 
 namespace vernier::ui {
 namespace {
@@ -119,6 +120,7 @@ void Gui::tileHeader(int t, Rect r) {
                       colourOfView(tile.view), theme_.px(2));
   ImFont* bold = theme_.small;
   std::string title = viewTitle(tile.view);
+  if (f && lookOf(tile.scene)) title = "3-D, " + nameOfLook(tile.scene, tile.view, *f);
   if (w.now().together && w.shown().size() > 1)
     title += w.togetherIsManual() ? ", together (manual)" : ", together";
   float x = r.x + pad + chip + theme_.px(7);
@@ -189,8 +191,10 @@ void Gui::volumeState(int t, Rect r) {
 void Gui::picture(int t, Rect r) {
   const TileView& shown = desk_.tileView(t);
   const Tile& tile = desk_.workspace().tile(t);
-  if (sliceOf(tile.scene) && !desk_.volumeReady(tile.source)) return volumeState(t, r);
-  if (!shown.picture) return sentence(r, "Reading the slice", "It comes in a moment.", colour::kDim);
+  if (needsVolume(tile.scene) && !desk_.volumeReady(tile.source)) return volumeState(t, r);
+  if (!shown.picture)
+    return sentence(r, lookOf(tile.scene) ? "Drawing the volume" : "Reading the slice",
+                    "It comes in a moment.", colour::kDim);
   const FinishedPicture& p = *shown.picture;
   if (p.error) {
     sentence(r, "This picture cannot be shown", p.error->sentence, colour::kAmber);
@@ -203,6 +207,7 @@ void Gui::picture(int t, Rect r) {
   ImGui::GetWindowDrawList()->AddImage(reinterpret_cast<ImTextureID>(texture), {x, y}, {x + w, y + h});
   compared(t, {x, y, w, h});
   references(t, {x, y, w, h});
+  crosshairInLook(t, {x, y, w, h});
   lenses(t, {x, y, w, h});
   measurements(t, {x, y, w, h});
 }
@@ -257,7 +262,10 @@ void Gui::hands(int t, Rect r, bool hovered) {
   if (notice_) return;
   Workspace& w = desk_.workspace();
   const ImGuiIO& io = ImGui::GetIO();
-  if (hovered && io.MouseWheel != 0) {
+  if (hovered && io.MouseWheel != 0 && !io.KeyShift && lookOf(w.tile(t).scene)) {
+    w.setActive(t);
+    lookWheel(t, r, io.MouseWheel);
+  } else if (hovered && io.MouseWheel != 0) {
     w.setActive(t);
     wheel_ += io.MouseWheel;
     const int notches = static_cast<int>(wheel_);  // touch pads send parts of a notch
@@ -287,7 +295,8 @@ void Gui::beginDrag(int t, int button, Rect r) {
   w.setActive(t);
   clickMadeStep_ = false;
   const auto place = desk_.placeOfTile(t);
-  if (!place) return;
+  const auto camera = desk_.cameraOfTile(t);
+  if (!place && !camera) return;
   const ImGuiIO& io = ImGui::GetIO();
   Drag d;
   d.tile = t, d.button = button, d.begin = io.MousePos;
@@ -296,10 +305,11 @@ void Gui::beginDrag(int t, int button, Rect r) {
            : io.KeyCtrl                        ? Tool::Crosshair
                                                : tool_;
   d.scene = w.tile(t).scene;
-  d.unit_mm = place->unit_mm;
+  d.unit_mm = place ? place->unit_mm : camera->mmPerPixel();
   d.fromCentre_px = {io.MousePos.x - (r.x + r.w / 2), io.MousePos.y - (r.y + r.h / 2)};
   const auto& shown = desk_.tileView(t).picture;
-  if (d.tool == Tool::Window) {
+  if (camera && !beginLookDrag(t, d)) return;
+  if (d.tool == Tool::Window && !camera) {
     if (!shown || shown->error || (imageOf(d.scene) != nullptr) != (shown->frame != nullptr)) return;
     d.window = shown->window;
     d.inverted = shown->inverted;
@@ -316,7 +326,14 @@ void Gui::drag() {
   const glm::dvec2 way(io.MousePos.x - d.begin.x, io.MousePos.y - d.begin.y);
   const double scale = theme_.scale;
   switch (d.tool) {
+    case Tool::Turn:
+      dragLook(d, way);
+      break;
     case Tool::Window:
+      if (lookOf(d.scene)) {
+        dragLook(d, way);
+        break;
+      }
       if (way != glm::dvec2(0, 0)) w.setWindow(d.tile, draggedWindow(d.window, way, d.inverted, scale));
       break;
     case Tool::Pan:
@@ -331,13 +348,11 @@ void Gui::drag() {
       d.scrolled = notches;
       break;
     }
-    case Tool::Crosshair:
-      if (const auto place = desk_.placeOfTile(d.tile); place && place->inPatient) {
-        const View& view = desk_.tileView(d.tile).view;
-        const glm::dvec2 px = d.fromCentre_px + way + 0.5 * glm::dvec2(view.width_px, view.height_px);
-        w.moveCrosshair(d.tile, place->patientAt(px));
-      }
+    case Tool::Crosshair: {
+      const View& view = desk_.tileView(d.tile).view;
+      moveCrosshairTo(d.tile, d.fromCentre_px + way + 0.5 * glm::dvec2(view.width_px, view.height_px));
       break;
+    }
   }
   if (ImGui::IsMouseDown(d.button)) return;
   clickMadeStep_ = w.endDrag() && way == glm::dvec2(0, 0);
@@ -346,9 +361,10 @@ void Gui::drag() {
 
 void Gui::probe(int t, Rect r) {
   const TileView& shown = desk_.tileView(t);
-  if (!shown.picture || shown.picture->error || !shown.place) return;
+  if (!shown.picture || shown.picture->error) return;
   const SourceFacts* f = desk_.workspace().factsOfTile(t);
-  if (!f) return;
+  if (f && shown.camera) return probeLook(t, pixelUnderPointer(r));
+  if (!f || !shown.place) return;
   const FinishedPicture& p = *shown.picture;
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   const glm::dvec2 px(std::floor(mouse.x - r.x) + 0.5, std::floor(mouse.y - r.y) + 0.5);

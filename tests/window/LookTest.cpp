@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Looks through a volume in the real window: chosen, turned, windowed, and a point of them found in the
+// slices.
+#include "Looks.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "WindowDriver.h"
+#include "WindowStudies.h"
+#include "vernier/volume/Sampling.h"
+
+namespace vernier::ui {
+namespace {
+
+using test::WindowDriver;
+
+constexpr int kLook = 3;
+constexpr double kX = 1030, kY = 600;  // near the middle of its tile
+
+// Where its picture lies in the window.
+glm::dvec2 corner(WindowDriver& w) {
+  const View& v = w.desk().tileView(kLook).view;
+  return {1280 - v.width_px, 800 - 28 - v.height_px};
+}
+glm::dvec2 inPicture(WindowDriver& w, double x, double y) { return glm::dvec2(x + 0.5, y + 0.5) - corner(w); }
+
+glm::dvec2 seen(const CameraPicture& c, PatientPoint p) {
+  const glm::dvec4 at = c.pixelFromPatient() * glm::dvec4(p.p, 1);
+  return glm::dvec2(at) / at.w;
+}
+const Camera& camera(WindowDriver& w) { return w.workspace().tile(kLook).scene.camera; }
+
+TEST(WindowLook, TheLeftButtonTurnsTheWheelMagnifiesAndEachIsUndone) {
+  vernier::test::TempDir dir;
+  WindowDriver w;
+  if (!test::openHead(dir, w)) return;
+  w.key(GLFW_KEY_F5);
+  ASSERT_TRUE(w.settle());
+  ASSERT_NE(lookOf(w.workspace().tile(kLook).scene), nullptr);
+  ASSERT_TRUE(w.desk().tileView(kLook).picture);
+  EXPECT_TRUE(w.desk().tileView(kLook).picture->measured);
+  const Camera first = camera(w);
+  w.dragBy(kX, kY, 60, 40);
+  EXPECT_DOUBLE_EQ(camera(w).azimuth_deg, first.azimuth_deg - 30);
+  EXPECT_DOUBLE_EQ(camera(w).elevation_deg, first.elevation_deg + 20);
+  w.key(GLFW_KEY_Z, true);
+  EXPECT_EQ(camera(w), first) << "a drag is one step";
+  w.key(GLFW_KEY_RIGHT);
+  EXPECT_DOUBLE_EQ(camera(w).azimuth_deg, first.azimuth_deg - 15);
+  // What lies under the pointer stays there.
+  const double x = kX + 70, y = kY - 40;
+  ASSERT_TRUE(w.settle());
+  const auto before = w.desk().cameraOfTile(kLook);
+  const PatientPoint under =
+      before->ray(inPicture(w, x, y).x, inPicture(w, x, y).y).at(before->targetDistance_mm);
+  w.move(x, y);
+  w.wheel(3);
+  EXPECT_GT(camera(w).zoom, 1.2 * first.zoom);
+  EXPECT_LT(glm::length(seen(*w.desk().cameraOfTile(kLook), under) - inPicture(w, x, y)), 1.0);
+  w.key(GLFW_KEY_R);
+  EXPECT_EQ(camera(w), first);
+}
+
+TEST(WindowLook, ShiftWindowsWhatIsSeenAndLeavesTheSlicesAlone) {
+  vernier::test::TempDir dir;
+  WindowDriver w;
+  if (!test::openHead(dir, w)) return;
+  w.key(GLFW_KEY_F5);
+  w.key(GLFW_KEY_1);  // MIP
+  ASSERT_TRUE(w.settle());
+  const auto* mip = std::get_if<ProjectionLayer>(lookOf(w.workspace().tile(kLook).scene));
+  ASSERT_NE(mip, nullptr);
+  EXPECT_FALSE(mip->window);
+  const VoiWindow whole = w.desk().tileView(kLook).picture->window;
+  const auto slices = sliceOf(w.workspace().tile(0).scene)->window;
+  w.hold(GLFW_KEY_LEFT_SHIFT, true);
+  w.dragBy(kX, kY, -100, 0);
+  w.hold(GLFW_KEY_LEFT_SHIFT, false);
+  mip = std::get_if<ProjectionLayer>(lookOf(w.workspace().tile(kLook).scene));
+  ASSERT_TRUE(mip->window);
+  EXPECT_NEAR(mip->window->width, 0.8 * whole.width, 1e-9);
+  EXPECT_EQ(sliceOf(w.workspace().tile(0).scene)->window, slices);
+  w.key(GLFW_KEY_0);
+  EXPECT_FALSE(std::get<ProjectionLayer>(*lookOf(w.workspace().tile(kLook).scene)).window);
+  // Of a rendering it is the transfer function.
+  w.key(GLFW_KEY_4);  // bone
+  ASSERT_TRUE(w.settle());
+  const auto shown = w.desk().tileView(kLook).picture->rgba;
+  w.hold(GLFW_KEY_LEFT_SHIFT, true);
+  w.dragBy(kX, kY, 0, -60);
+  w.hold(GLFW_KEY_LEFT_SHIFT, false);
+  ASSERT_TRUE(w.settle());
+  const auto* bone = std::get_if<VolumeLayer>(lookOf(w.workspace().tile(kLook).scene));
+  ASSERT_TRUE(bone && bone->transfer);
+  EXPECT_NE(w.desk().tileView(kLook).picture->rgba, shown);
+  w.key(GLFW_KEY_0);
+  ASSERT_TRUE(w.settle());
+  EXPECT_EQ(w.desk().tileView(kLook).picture->rgba, shown);
+}
+
+// A click on a maximum brings the slices there: the value that is projected is the value at that point.
+TEST(WindowLook, ThePointThatIsSeenIsFoundInTheSlices) {
+  vernier::test::TempDir dir;
+  WindowDriver w;
+  if (!test::openHead(dir, w)) return;
+  w.key(GLFW_KEY_F5);
+  w.key(GLFW_KEY_1);
+  w.dragBy(kX, kY, 50, 30);
+  ASSERT_TRUE(w.settle());
+  for (const auto& [x, y] : {std::pair{1035.0, 640.0}, {1050.0, 690.0}, {1000.0, 560.0}}) {
+    const auto picked = w.desk().pick(kLook, inPicture(w, x, y));
+    ASSERT_TRUE(picked && picked->value);
+    const auto& volume = *w.desk().tileView(kLook).picture->volume;
+    EXPECT_NEAR(sampleModality(volume, picked->point).value_or(-1e9), *picked->value, 0.5);
+    w.hold(GLFW_KEY_LEFT_CONTROL, true);
+    w.click(x, y);
+    w.hold(GLFW_KEY_LEFT_CONTROL, false);
+    const auto cross = w.workspace().crosshair(kLook);
+    ASSERT_TRUE(cross);
+    EXPECT_LT(length(*cross - picked->point), 1e-9);
+    for (int t = 0; t < 3; ++t) {
+      const Plane& plane = sliceOf(w.workspace().tile(t).scene)->plane;
+      EXPECT_NEAR(dot(*cross - plane.point, normalize(plane.normal)), 0, 1e-9) << t;
+    }
+    EXPECT_LT(glm::length(seen(*w.desk().cameraOfTile(kLook), *cross) - inPicture(w, x, y)), 1e-6)
+        << "its mark stands where the click was";
+    ASSERT_TRUE(w.settle());
+  }
+  // A mean has no place on the ray.
+  w.key(GLFW_KEY_3);
+  ASSERT_TRUE(w.settle());
+  EXPECT_FALSE(w.desk().pick(kLook, inPicture(w, kX, kY)));
+}
+
+// While it moves there are fewer pixels, with the same picture in them; then all of them; then the error.
+TEST(DeskLooks, ComeQuicklyThenSharpThenMeasured) {
+  vernier::test::TempDir dir;
+  Desk desk({}, [] {});
+  for (int t = 0; t < kTiles; ++t) desk.setTileSize(t, t == kLook ? 701 : 60, t == kLook ? 533 : 50);
+  desk.open({test::headStudy(dir)});
+  const auto waitFor = [&](const auto& done) {
+    for (int k = 0; k < 60'000 && !done(); ++k) {
+      desk.update();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return done();
+  };
+  ASSERT_TRUE(waitFor([&] { return desk.tileView(0).picture && desk.idle(); }));
+  ASSERT_TRUE(desk.workspace().open3d());
+  const auto shown = [&] {
+    return desk.tileView(kLook).picture.has_value() && !desk.tileView(kLook).picture->error;
+  };
+  ASSERT_TRUE(waitFor(shown));
+  const FinishedPicture draft = *desk.tileView(kLook).picture;
+  EXPECT_GT(draft.depths.perPixel, 1.5) << "nothing is known of its time: half of the pixels each way";
+  EXPECT_EQ(draft.rgba.width, 701);
+  EXPECT_EQ(draft.rgba.height, 533);
+  EXPECT_FALSE(draft.measured);
+  std::vector<std::optional<Picked>> before;
+  std::vector<glm::dvec2> at;
+  for (double y = 30; y < 533; y += 37)
+    for (double x = 30; x < 701; x += 41)
+      at.emplace_back(x, y), before.push_back(desk.pick(kLook, at.back()));
+  ASSERT_TRUE(waitFor([&] { return desk.tileView(kLook).picture->measured; }));
+  EXPECT_EQ(desk.tileView(kLook).picture->depths.perPixel, 1);
+  EXPECT_TRUE(waitFor([&] { return desk.idle(); }));
+  // Where both see something, they see it in one place; where one does, the other does: but for the edges.
+  const double mm = desk.cameraOfTile(kLook)->mmPerPixel();
+  std::size_t both = 0, one = 0;
+  for (std::size_t n = 0; n < at.size(); ++n) {
+    const auto after = desk.pick(kLook, at[n]);
+    if (after.has_value() != before[n].has_value()) ++one;
+    if (!after || !before[n]) continue;
+    ++both;
+    const PatientVec off = after->point - before[n]->point;
+    const CameraPicture c = *desk.cameraOfTile(kLook);
+    EXPECT_LT(std::hypot(dot(off, c.right), dot(off, c.up)),
+              1.01 * mm * std::sqrt(2.0) * (0.5 * draft.depths.perPixel + 0.5))
+        << n;
+  }
+  EXPECT_GT(both, 20u);
+  EXPECT_LT(one, both / 5);
+}
+
+}  // namespace
+}  // namespace vernier::ui
