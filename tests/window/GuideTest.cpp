@@ -42,6 +42,22 @@ void moreTools(test::WindowDriver& w) {
   ASSERT_TRUE(w.settle());
 }
 
+// A rendering that is turned, cut open by a lens, and the point that was clicked in the slices beside it.
+void throughTheVolume(test::WindowDriver& w) {
+  w.key(GLFW_KEY_F5);
+  ASSERT_TRUE(w.settle());
+  w.key(GLFW_KEY_W);
+  w.dragBy(1030, 600, 70, 30);
+  w.move(1060, 540);
+  w.key(GLFW_KEY_G);
+  ASSERT_TRUE(w.settle());
+  w.hold(GLFW_KEY_LEFT_CONTROL, true);
+  w.click(1102, 632);
+  w.hold(GLFW_KEY_LEFT_CONTROL, false);
+  w.move(2, 2);
+  expectPicture("guide-3d", w);
+}
+
 TEST(Guide, ItsPicturesAreOfThisWindow) {
   vernier::test::TempDir dir;
   test::WindowDriver w;
@@ -91,6 +107,8 @@ TEST(Guide, ItsPicturesAreOfThisWindow) {
   w.dragBy(960, 130, 70, 50);  // across the slices
   w.move(2, 2);
   expectPicture("guide-lens", w);
+  for (int n = 0; n < 2; ++n) w.key(GLFW_KEY_Z, true);
+  throughTheVolume(w);
 }
 
 // The same head in two resolutions, side by side.

@@ -123,16 +123,16 @@ TEST(WindowLens, TheMenuPlacesItInTheMiddle) {
   if (!test::openHead(dir, w)) return;
   w.key(GLFW_KEY_F4);
   ASSERT_TRUE(w.settle());
-  w.click(1090, 20);  // Measure
+  w.click(1140, 20);  // Measure
   ASSERT_TRUE(w.settle());
   for (double y = 270; y < 340 && w.workspace().now().lenses.empty(); y += 8) {  // down the list to it
-    w.move(1070, y);
+    w.move(1120, y);
     ASSERT_TRUE(w.settle());
-    w.click(1070, y);
+    w.click(1120, y);
     ASSERT_TRUE(w.settle());
     if (w.host().gui().ruler()) {  // that was a tool
       w.key(GLFW_KEY_ESCAPE);
-      w.click(1090, 20);
+      w.click(1140, 20);
       ASSERT_TRUE(w.settle());
     }
   }

@@ -8,8 +8,11 @@
 #include <cmath>
 #include <thread>
 
+#include "Lenses.h"
 #include "WindowDriver.h"
 #include "WindowStudies.h"
+#include "vernier/picture/Png.h"
+#include "vernier/plan/LensEdits.h"
 #include "vernier/volume/Sampling.h"
 
 namespace vernier::ui {
@@ -133,6 +136,63 @@ TEST(WindowLook, ThePointThatIsSeenIsFoundInTheSlices) {
   w.key(GLFW_KEY_3);
   ASSERT_TRUE(w.settle());
   EXPECT_FALSE(w.desk().pick(kLook, inPicture(w, kX, kY)));
+}
+
+// G places a lens about the point that is seen; inside moves it across the picture, the outline scales it.
+TEST(WindowLook, ALensIsPlacedMovedScaledAndTakenAway) {
+  vernier::test::TempDir dir;
+  WindowDriver w;
+  if (!test::openHead(dir, w)) return;
+  w.key(GLFW_KEY_F5);
+  ASSERT_TRUE(w.settle());
+  w.dragBy(kX, kY, 50, 30);
+  w.move(2, 2);
+  ASSERT_TRUE(w.settle());
+  const Picture without = w.desk().tileView(kLook).picture->rgba;
+  const double x = kX + 20, y = kY - 60;
+  const auto picked = w.desk().pick(kLook, inPicture(w, x, y));
+  ASSERT_TRUE(picked);
+  w.move(x, y);
+  w.key(GLFW_KEY_G);
+  ASSERT_EQ(w.workspace().now().lenses.size(), 1u) << w.host().gui().why();
+  const auto lens = [&] { return w.workspace().now().lenses[0].layer; };
+  EXPECT_LT(length(middleOf(lens()) - picked->point), 1e-9);
+  ASSERT_TRUE(w.settle());
+  const Picture cut = w.desk().tileView(kLook).picture->rgba;
+  EXPECT_NE(cut, without);
+  EXPECT_FALSE(w.workspace().showsLens(0, 0)) << "slices have lenses of their own";
+
+  // Outside of its disc nothing has changed.
+  const auto disc = [&] { return *discOf(lens(), *facing(*w.desk().cameraOfTile(kLook), lens())); };
+  const LensDisc d = disc();
+  std::size_t inside = 0;
+  for (int py = 0; py < cut.height; ++py)
+    for (int px = 0; px < cut.width; ++px) {
+      const bool same = std::equal(cut.at(px, py), cut.at(px, py) + 3, without.at(px, py));
+      const double from = glm::length(glm::dvec2(px + 0.5, py + 0.5) - d.centre_px);
+      const bool letters = py < 40 || py > cut.height - 60;  // the error is another one
+      if (!same && from > d.radius_px + 1 && !letters) ADD_FAILURE() << px << "," << py;
+      inside += !same && from < d.radius_px;
+    }
+  EXPECT_GT(inside, 500u);
+
+  w.dragBy(x, y, 40, 24);
+  EXPECT_LT(glm::length(disc().centre_px - d.centre_px - glm::dvec2(40, 24)), 1e-6);
+  EXPECT_NEAR(disc().radius_px, d.radius_px, 1e-6);
+  EXPECT_EQ(camera(w), w.workspace().tile(kLook).scene.camera);
+  ASSERT_TRUE(w.settle());
+  w.dragBy(x + 40 + std::round(d.radius_px), y + 24, 15, 0);
+  EXPECT_NEAR(disc().radius_px, d.radius_px + 15, 1e-6);
+  // G again: the next look.
+  ASSERT_TRUE(w.settle());
+  w.move(x + 40, y + 24);
+  w.key(GLFW_KEY_G);
+  EXPECT_EQ(w.workspace().now().lenses[0].look, "Soft tissue");
+  ASSERT_TRUE(w.settle());
+  EXPECT_FALSE(w.desk().tileView(kLook).picture->error);
+  if (const char* to = std::getenv("LOOK_PNG")) (void)writePng(to, w.screenshot());
+  w.key(GLFW_KEY_DELETE);
+  EXPECT_TRUE(w.workspace().now().lenses.empty());
 }
 
 // While it moves there are fewer pixels, with the same picture in them; then all of them; then the error.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "Looks.h"
 #include "vernier/plan/LensEdits.h"
 
 namespace vernier::ui {
@@ -51,6 +52,34 @@ std::vector<LensLook> lensLooks(const WindowFacts& facts) {
   if (!first) all.push_back(inverted);
   all.push_back({"Cut out", CutOut{}});
   return all;
+}
+
+std::vector<LensLook> lensLooksThrough(const SourceFacts& f, const Scene& around, const std::string& view) {
+  std::vector<LensLook> all{{"Cut out", CutOut{}}};
+  const std::string shown = nameOfLook(around, view, f);
+  for (const VolumeLook& look : volumeLooks(f)) {
+    const std::optional<Scene> scene = look.name == shown ? std::nullopt : sceneOfLook(look, f);
+    if (!scene) continue;
+    const Layer& layer = *lookOf(*scene);
+    // A maximum inside stands behind all that is rendered on the ray, so that next to nothing of it would be
+    // seen.
+    if (const auto* volume = std::get_if<VolumeLayer>(&layer)) all.push_back({look.name, *volume});
+    if (const auto* iso = std::get_if<IsosurfaceLayer>(&layer)) all.push_back({look.name, *iso});
+  }
+  return all;
+}
+
+std::optional<Place> facing(const CameraPicture& c, const LensLayer& lens) {
+  const double depth = dot(middleOf(lens) - c.eye, c.forward);
+  const bool parallel = c.projection == Projection::Orthographic;
+  if (!parallel && !(depth > 0)) return std::nullopt;
+  const double scale = parallel ? 1 : depth;
+  Place p;
+  p.inPatient = true;
+  p.unit_mm = c.pixelStep * scale;
+  p.right = p.unit_mm * c.right, p.down = -p.unit_mm * c.up, p.normal = -1.0 * c.forward;
+  p.origin = c.eye + depth * c.forward + scale * c.across(0, 0);
+  return p;
 }
 
 bool cuts(const Plane& plane, const LensLayer& lens) {

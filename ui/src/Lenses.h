@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lenses by hand on slices: what they may show, where a picture's plane cuts them, edits of one. Pure; edits
-// are those of LensEdits.h. Pixels are those of the picture, centres at half-integers.
+// Lenses by hand, on slices and in looks through a volume: what they may show, where they stand in a picture,
+// edits of one. Pure; edits are those of LensEdits.h. Pixels are those of the picture, centres at
+// half-integers.
 #pragma once
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "Workspace.h"
+#include "vernier/plan/CameraPicture.h"
 
 namespace vernier::ui {
 
@@ -17,6 +19,13 @@ struct LensLook {
 // What makes sense on slices, the usual first: in HU the windows of bone, lung, brain and abdomen; else
 // inverted and the windows that the file and the volume offer; then inverted, cut out.
 std::vector<LensLook> lensLooks(const WindowFacts&);
+// The same in looks through a volume, of which `around` is the one that is shown: cut out, then the other
+// renderings and the surface.
+std::vector<LensLook> lensLooksThrough(const SourceFacts&, const Scene& around, const std::string& view);
+
+// In a look through a volume: the plane through the lens's middle that faces the eye. What is said of places
+// and discs below then holds there, of perspective pictures nearly.
+std::optional<Place> facing(const CameraPicture&, const LensLayer&);
 
 // Whether a plane cuts a lens that is a sphere.
 bool cuts(const Plane&, const LensLayer&);

@@ -259,7 +259,9 @@ void Workspace::choose(int t, const WindowChoice& choice) {
 }
 
 void Workspace::invert(int t) {
-  if (tile(t).empty()) return;
+  const auto inverts = [](Layer layer) { return inversionOf(layer) != nullptr; };
+  const auto& layers = tile(t).scene.layers;
+  if (std::none_of(layers.begin(), layers.end(), inverts)) return;
   edit(Gesture::Invert, t);
   for (Tile& tile : now_.tiles) {
     if (!sharesGrey(tile, this->tile(t))) continue;

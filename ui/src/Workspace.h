@@ -36,11 +36,13 @@ struct Drawn {
   friend bool operator==(const Drawn&, const Drawn&) = default;
 };
 
-// A lens in the patient, shown in all slices of this frame of reference and modality. Its inner look as it
-// was chosen; a window that is absent is that of the slice, and `invert` means: other than the slice.
+// A lens in the patient, shown in all slices of this frame of reference and modality, or in all looks through
+// such a volume. Its inner look as it was chosen; on slices a window that is absent is that of the slice, and
+// `invert` means: other than the slice.
 struct PlacedLens {
   std::string linkKey, modality;
-  std::string look;  // for the screen
+  bool through = false;  // a volume
+  std::string look;      // for the screen
   LensLayer layer;
   friend bool operator==(const PlacedLens&, const PlacedLens&) = default;
 };
@@ -161,7 +163,7 @@ class Workspace {
   // WorkspaceLens.cpp. The tile's scene with the lenses that show in it, as it is drawn.
   Scene sceneOf(int t) const;
   bool showsLens(int t, std::size_t lens) const;
-  // A sphere about the point; nullopt where the tile shows no slice, or colours. Its place in
+  // A sphere about the point; nullopt where the tile shows single images, or colours. Its place in
   // Arrangement::lenses.
   std::optional<std::size_t> addLens(int t, PatientPoint middle, double radius_mm, const LensLook&);
   void changeLens(std::size_t lens, const LensLayer&);

@@ -6,17 +6,35 @@
 #include "vernier/plan/LensEdits.h"
 
 namespace vernier::ui {
+namespace {
+
+// What is inside reads the volume that the tile shows.
+LensLayer lensInto(LensLayer lens, const std::string& source) {
+  std::visit(
+      [&](auto& inner) {
+        if constexpr (requires { inner.source; }) inner.source = source;
+      },
+      lens.inner);
+  return lens;
+}
+
+}  // namespace
 
 bool Workspace::showsLens(int t, std::size_t n) const {
   const SourceFacts* f = factsOfTile(t);
   const PlacedLens& lens = now_.lenses[n];
-  return f && !f->colour && sliceOf(tile(t).scene) && lens.linkKey == f->linkKey &&
-         lens.modality == f->modality;
+  const Scene& scene = tile(t).scene;
+  const bool looksIn = lens.through ? lookOf(scene) != nullptr : sliceOf(scene) != nullptr;
+  return f && !f->colour && looksIn && lens.linkKey == f->linkKey && lens.modality == f->modality;
 }
 
 Scene Workspace::sceneOf(int t) const {
   Scene scene = tile(t).scene;
   const SliceLayer* slice = sliceOf(scene);
+  if (!slice && lookOf(scene)) {
+    for (std::size_t n = 0; n < now_.lenses.size(); ++n)
+      if (showsLens(t, n)) scene.layers.emplace_back(lensInto(now_.lenses[n].layer, tile(t).source.name));
+  }
   if (!slice) return scene;
   const SliceLayer around = *slice;
   for (std::size_t n = 0; n < now_.lenses.size(); ++n) {
@@ -35,12 +53,12 @@ Scene Workspace::sceneOf(int t) const {
 std::optional<std::size_t> Workspace::addLens(int t, PatientPoint middle, double radius_mm,
                                               const LensLook& look) {
   const SourceFacts* f = factsOfTile(t);
-  const SliceLayer* slice = sliceOf(tile(t).scene);
-  if (!f || f->colour || !slice || !(radius_mm > 0)) return std::nullopt;
-  LensLayer lens = lensAt(LensPreset::CutOut, *slice, middle, radius_mm);
+  const Layer* behind = layerBehindLens(tile(t).scene);
+  if (!f || f->colour || !behind || !(radius_mm > 0)) return std::nullopt;
+  LensLayer lens = lensAt(LensPreset::CutOut, *behind, middle, radius_mm);
   lens.inner = look.inner;
   Arrangement& a = edit(Gesture::Lens, -1);
-  a.lenses.push_back({f->linkKey, f->modality, look.name, std::move(lens)});
+  a.lenses.push_back({f->linkKey, f->modality, lookOf(tile(t).scene) != nullptr, look.name, std::move(lens)});
   return a.lenses.size() - 1;
 }
 

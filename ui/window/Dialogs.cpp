@@ -24,7 +24,7 @@ constexpr Binding kBindings[] = {
     {"E  B  O  H", "ellipse, box, polygon (double click or Enter closes it), outline by hand"},
     {"V  N  X", "value, arrow, text"},
     {"M", "list of measurements"},
-    {"G", "a lens on reformats, at the pointer; in a lens: what it shows next"},
+    {"G", "a lens on reformats and in 3-D, at the pointer; in a lens: what it shows next"},
     {"Ctrl + wheel on a lens", "scales it, as dragging its outline does; dragging its inside moves it"},
     {"Del", "takes the chosen measurement or lens away"},
     {"I, R", "inverts; whole picture in sight again"},

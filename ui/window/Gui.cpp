@@ -8,7 +8,7 @@
 namespace vernier::ui {
 namespace {
 
-constexpr float kTopBar = 46, kStatusBar = 28, kBrowser = 296, kOneRow = 1260, kList = 280;
+constexpr float kTopBar = 46, kStatusBar = 28, kBrowser = 296, kOneRow = 1275, kList = 280;
 
 constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoSavedSettings |

@@ -126,6 +126,7 @@ class Gui {
     double radius_px = 0;
   };
   std::optional<int> tileUnderPointer() const;
+  std::optional<Place> placeOfLens(int t, const LensLayer&) const;
   std::optional<LensHold> lensAt(int t, glm::dvec2 px) const;
   void lensKey();
   void putLens(int t, glm::dvec2 px);

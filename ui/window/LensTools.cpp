@@ -27,14 +27,21 @@ std::optional<int> Gui::tileUnderPointer() const {
   return std::nullopt;
 }
 
+// The plane of a picture on which a lens is a disc.
+std::optional<Place> Gui::placeOfLens(int t, const LensLayer& lens) const {
+  const TileView& shown = desk_.tileView(t);
+  return shown.camera ? facing(*shown.camera, lens) : shown.place;
+}
+
 // The one on top that the hand would take, and which part of it.
 std::optional<Gui::LensHold> Gui::lensAt(int t, glm::dvec2 px) const {
   const Workspace& w = desk_.workspace();
   const TileView& shown = desk_.tileView(t);
-  if (!shown.place || !shown.picture || shown.picture->error) return std::nullopt;
+  if (!shown.picture || shown.picture->error) return std::nullopt;
   for (std::size_t n = w.now().lenses.size(); n-- > 0;) {
     if (!w.showsLens(t, n)) continue;
-    const auto disc = discOf(w.now().lenses[n].layer, *shown.place);
+    const auto place = placeOfLens(t, w.now().lenses[n].layer);
+    const auto disc = place ? discOf(w.now().lenses[n].layer, *place) : std::nullopt;
     const auto part = disc ? partOf(*disc, px, theme_.px(kGrip)) : std::nullopt;
     if (part) return LensHold{n, t, *part, ImGui::GetIO().MousePos, w.now().lenses[n].layer, disc->radius_px};
   }
@@ -45,7 +52,7 @@ void Gui::lensKey() {
   const std::optional<int> t = tileUnderPointer();
   if (t && !desk_.workspace().tile(*t).empty())
     return putLens(*t, pixelUnderPointer(tileArea_[static_cast<std::size_t>(*t)]));
-  why_ = "Point at a reformat and press G: a lens is placed there.";
+  why_ = "Point at a reformat or a 3-D picture and press G: a lens is placed there.";
 }
 
 // A lens where there is none, the next appearance where there is one.
@@ -54,9 +61,10 @@ void Gui::putLens(int t, glm::dvec2 px) {
   why_.clear();
   w.setActive(t);
   const TileView& shown = desk_.tileView(t);
-  if (!sliceOf(w.tile(t).scene) || !shown.picture || shown.picture->error || !shown.picture->volume ||
-      !shown.place) {
-    why_ = "A lens looks into reformats; MPR (F4) shows them.";
+  const bool through = lookOf(w.tile(t).scene) != nullptr;
+  if (!needsVolume(w.tile(t).scene) || !shown.picture || shown.picture->error || !shown.picture->volume ||
+      (through ? !shown.camera : !shown.place)) {
+    why_ = "A lens looks into reformats and volumes; MPR (F4) and 3-D (F5) show them.";
     return;
   }
   if (w.factsOfTile(t)->colour) {
@@ -67,7 +75,9 @@ void Gui::putLens(int t, glm::dvec2 px) {
     why_ = may.error().sentence;
     return;
   }
-  const std::vector<LensLook> looks = lensLooks(shown.picture->windowFacts);
+  const std::vector<LensLook> looks =
+      through ? lensLooksThrough(*w.factsOfTile(t), w.tile(t).scene, w.tile(t).view)
+              : lensLooks(shown.picture->windowFacts);
   selected_.clear();
   if (const auto under = lensAt(t, px)) {
     const auto now = std::find_if(looks.begin(), looks.end(), [&](const LensLook& l) {
@@ -78,7 +88,17 @@ void Gui::putLens(int t, glm::dvec2 px) {
     return;
   }
   const double side_px = std::min(shown.picture->view.width_px, shown.picture->view.height_px);
-  lens_ = w.addLens(t, shown.place->patientAt(px), kFirst * side_px * shown.place->unit_mm, looks.front());
+  if (!through) {
+    lens_ = w.addLens(t, shown.place->patientAt(px), kFirst * side_px * shown.place->unit_mm, looks.front());
+    return;
+  }
+  // About the point that is seen; where nothing is, as deep as the middle of the picture.
+  const CameraPicture& camera = *shown.camera;
+  const auto picked = desk_.pick(t, px);
+  const PatientPoint at =
+      picked ? picked->point
+             : camera.ray(px.x, px.y).at(camera.targetDistance_mm * camera.rayPerDepth(px.x, px.y));
+  lens_ = w.addLens(t, at, kFirst * side_px * camera.mmPerPixel(), looks.front());
 }
 
 bool Gui::removeChosenLens() {
@@ -118,15 +138,15 @@ void Gui::dragLens() {
   Workspace& w = desk_.workspace();
   const LensHold& h = *lensHold_;
   const ImVec2 mouse = ImGui::GetIO().MousePos;
-  if (const TileView& shown = desk_.tileView(h.tile); shown.place) {
+  if (const auto place = placeOfLens(h.tile, h.before)) {
     if (h.part == LensPart::Inside) {
-      w.changeLens(h.lens, movedLens(h.before, *shown.place, {mouse.x - h.begin.x, mouse.y - h.begin.y}));
-    } else if (const auto disc = discOf(h.before, *shown.place)) {
+      w.changeLens(h.lens, movedLens(h.before, *place, {mouse.x - h.begin.x, mouse.y - h.begin.y}));
+    } else if (const auto disc = discOf(h.before, *place)) {
       const Rect& r = tileArea_[static_cast<std::size_t>(h.tile)];
       const auto from = [&](ImVec2 p) {
         return glm::length(glm::dvec2(p.x - r.x + 0.5, p.y - r.y + 0.5) - disc->centre_px);
       };
-      w.changeLens(h.lens, lensWithRadius(h.before, *shown.place, h.radius_px + from(mouse) - from(h.begin)));
+      w.changeLens(h.lens, lensWithRadius(h.before, *place, h.radius_px + from(mouse) - from(h.begin)));
     }
   }
   if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) return;
@@ -138,12 +158,13 @@ void Gui::dragLens() {
 void Gui::lenses(int t, Rect r) {
   const Workspace& w = desk_.workspace();
   const TileView& shown = desk_.tileView(t);
-  if (!shown.place || !shown.picture) return;
+  if (!shown.picture || shown.picture->error) return;
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const float line = std::max(1.0f, theme_.px(1.25f));
   for (std::size_t n = 0; n < w.now().lenses.size(); ++n) {
     const PlacedLens& lens = w.now().lenses[n];
-    const auto disc = w.showsLens(t, n) ? discOf(lens.layer, *shown.place) : std::nullopt;
+    const auto place = w.showsLens(t, n) ? placeOfLens(t, lens.layer) : std::nullopt;
+    const auto disc = place ? discOf(lens.layer, *place) : std::nullopt;
     if (!disc) continue;
     const ImVec2 c(r.x + static_cast<float>(disc->centre_px.x), r.y + static_cast<float>(disc->centre_px.y));
     const float radius = static_cast<float>(disc->radius_px);

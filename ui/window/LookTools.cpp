@@ -172,9 +172,13 @@ void Gui::crosshairInLook(int t, Rect r) {
   const ImVec2 c(r.x + static_cast<float>(at.x / at.w), r.y + static_cast<float>(at.y / at.w));
   const float arm = theme_.px(10), inner = theme_.px(4), line = std::max(1.0f, theme_.px(1));
   ImDrawList* draw = ImGui::GetWindowDrawList();
-  for (const ImVec2 way : {ImVec2(1, 0), ImVec2(-1, 0), ImVec2(0, 1), ImVec2(0, -1)})
-    draw->AddLine({c.x + inner * way.x, c.y + inner * way.y}, {c.x + arm * way.x, c.y + arm * way.y},
-                  colour::kAccent, line);
+  const auto mark = [&](ImU32 shade, float thick) {
+    for (const ImVec2 way : {ImVec2(1, 0), ImVec2(-1, 0), ImVec2(0, 1), ImVec2(0, -1)})
+      draw->AddLine({c.x + inner * way.x, c.y + inner * way.y}, {c.x + arm * way.x, c.y + arm * way.y}, shade,
+                    thick);
+  };
+  mark(IM_COL32(0, 0, 0, 190), line + theme_.px(2));
+  mark(colour::kAccent, line);
 }
 
 }  // namespace vernier::ui

@@ -180,6 +180,13 @@ TEST(WorkspaceLooks, FollowTheNextTimePointAndEachOther) {
   EXPECT_EQ(*volumeOf(*lookOf(w.tile(3).scene)), "b");
 }
 
+TEST(WorkspaceLooks, WhatHasNoInversionMakesNoStepOfUndo) {
+  Workspace w = withLook();
+  w.invert(3);  // a rendering
+  w.undo();
+  EXPECT_EQ(w.now().layout, Layout::Single);
+}
+
 // A linear ramp stays one when it is enlarged, and the middle stays in the middle.
 TEST(Enlarged, IsLinearBetweenCentres) {
   Picture small(40, 20);
