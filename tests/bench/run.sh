@@ -23,6 +23,9 @@ for engine in native gl; do
     "$vernier" bench "$work/ct-head" --view "$view" --engine "$engine" --window 500,1400
   done
 done
+# Looks through a volume as the desktop draws them while they turn.
+cmake --build "$build" --target vernier_bench_looks >/dev/null
+"$build/bin/vernier_bench_looks" "$work/ct-head"
 # The window, on a virtual display: with a picture of 512x512, and in its usual size.
 command -v xvfb-run >/dev/null || exit 0
 cmake --build "$build" --target vernier_bench_window >/dev/null

@@ -5,13 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <thread>
 
 #include "Lenses.h"
 #include "WindowDriver.h"
 #include "WindowStudies.h"
-#include "vernier/picture/Png.h"
 #include "vernier/plan/LensEdits.h"
 #include "vernier/volume/Sampling.h"
 
@@ -115,15 +115,22 @@ TEST(WindowLook, ThePointThatIsSeenIsFoundInTheSlices) {
   ASSERT_TRUE(w.settle());
   for (const auto& [x, y] : {std::pair{1035.0, 640.0}, {1050.0, 690.0}, {1000.0, 560.0}}) {
     const auto picked = w.desk().pick(kLook, inPicture(w, x, y));
-    ASSERT_TRUE(picked && picked->value);
+    ASSERT_TRUE(picked);
+    // No sample of the ray is above the value at that point: a search of its own, ten to a voxel.
     const auto& volume = *w.desk().tileView(kLook).picture->volume;
-    EXPECT_NEAR(sampleModality(volume, picked->point).value_or(-1e9), *picked->value, 0.5);
+    const CameraPicture& c = *w.desk().tileView(kLook).camera;
+    const PatientRay ray =
+        c.ray(std::floor(inPicture(w, x, y).x) + 0.5, std::floor(inPicture(w, x, y).y) + 0.5);
+    double most = -1e9;
+    for (double t = 0; t < 2 * c.targetDistance_mm; t += 0.1)
+      most = std::max(most, sampleModality(volume, ray.at(t)).value_or(-1e9));
+    EXPECT_GT(sampleModality(volume, *picked).value_or(-1e9), most - 1);
     w.hold(GLFW_KEY_LEFT_CONTROL, true);
     w.click(x, y);
     w.hold(GLFW_KEY_LEFT_CONTROL, false);
     const auto cross = w.workspace().crosshair(kLook);
     ASSERT_TRUE(cross);
-    EXPECT_LT(length(*cross - picked->point), 1e-9);
+    EXPECT_LT(length(*cross - *picked), 1e-9);
     for (int t = 0; t < 3; ++t) {
       const Plane& plane = sliceOf(w.workspace().tile(t).scene)->plane;
       EXPECT_NEAR(dot(*cross - plane.point, normalize(plane.normal)), 0, 1e-9) << t;
@@ -156,7 +163,7 @@ TEST(WindowLook, ALensIsPlacedMovedScaledAndTakenAway) {
   w.key(GLFW_KEY_G);
   ASSERT_EQ(w.workspace().now().lenses.size(), 1u) << w.host().gui().why();
   const auto lens = [&] { return w.workspace().now().lenses[0].layer; };
-  EXPECT_LT(length(middleOf(lens()) - picked->point), 1e-9);
+  EXPECT_LT(length(middleOf(lens()) - *picked), 1e-9);
   ASSERT_TRUE(w.settle());
   const Picture cut = w.desk().tileView(kLook).picture->rgba;
   EXPECT_NE(cut, without);
@@ -183,6 +190,15 @@ TEST(WindowLook, ALensIsPlacedMovedScaledAndTakenAway) {
   ASSERT_TRUE(w.settle());
   w.dragBy(x + 40 + std::round(d.radius_px), y + 24, 15, 0);
   EXPECT_NEAR(disc().radius_px, d.radius_px + 15, 1e-6);
+  // Ctrl + wheel scales it; the picture keeps its size.
+  ASSERT_TRUE(w.settle());
+  const double radius = disc().radius_px, zoom = camera(w).zoom;
+  w.move(x + 40, y + 24);
+  w.hold(GLFW_KEY_LEFT_CONTROL, true);
+  w.wheel(2);
+  w.hold(GLFW_KEY_LEFT_CONTROL, false);
+  EXPECT_NEAR(disc().radius_px, 1.21 * radius, 1e-4);
+  EXPECT_EQ(camera(w).zoom, zoom);
   // G again: the next look.
   ASSERT_TRUE(w.settle());
   w.move(x + 40, y + 24);
@@ -190,23 +206,86 @@ TEST(WindowLook, ALensIsPlacedMovedScaledAndTakenAway) {
   EXPECT_EQ(w.workspace().now().lenses[0].look, "Soft tissue");
   ASSERT_TRUE(w.settle());
   EXPECT_FALSE(w.desk().tileView(kLook).picture->error);
-  if (const char* to = std::getenv("LOOK_PNG")) (void)writePng(to, w.screenshot());
   w.key(GLFW_KEY_DELETE);
   EXPECT_TRUE(w.workspace().now().lenses.empty());
+}
+
+TEST(WindowLook, InversionAndLensesOfProjectionsExcludeEachOtherWithASentence) {
+  vernier::test::TempDir dir;
+  WindowDriver w;
+  if (!test::openHead(dir, w)) return;
+  w.key(GLFW_KEY_F5);
+  w.key(GLFW_KEY_1);
+  ASSERT_TRUE(w.settle());
+  w.move(kX, kY);
+  w.key(GLFW_KEY_G);
+  ASSERT_EQ(w.workspace().now().lenses.size(), 1u);
+  ASSERT_TRUE(w.settle());
+  EXPECT_FALSE(w.desk().tileView(kLook).picture->error);
+  w.key(GLFW_KEY_I);
+  EXPECT_NE(w.host().gui().why().find("take the lens away"), std::string::npos);
+  w.key(GLFW_KEY_DELETE);
+  w.key(GLFW_KEY_I);
+  ASSERT_TRUE(w.settle());
+  EXPECT_TRUE(w.desk().tileView(kLook).picture->inverted);
+  w.key(GLFW_KEY_G);
+  EXPECT_NE(w.host().gui().why().find("take the inversion back"), std::string::npos);
+  EXPECT_TRUE(w.workspace().now().lenses.empty());
+}
+
+TEST(WindowLook, AKeyWhileTheHandTurnsChangesNothingAndShiftDragsTheLevelOfASurface) {
+  vernier::test::TempDir dir;
+  WindowDriver w;
+  if (!test::openHead(dir, w)) return;
+  w.key(GLFW_KEY_F5);
+  ASSERT_TRUE(w.settle());
+  const std::string view = w.workspace().tile(kLook).view;
+  w.move(kX, kY);
+  w.button(0, true);
+  w.move(kX + 20, kY);
+  w.key(GLFW_KEY_1);
+  w.key(GLFW_KEY_F4);
+  w.move(kX + 40, kY);
+  w.button(0, false);
+  EXPECT_EQ(w.workspace().tile(kLook).view, view);
+  EXPECT_DOUBLE_EQ(camera(w).azimuth_deg, -20);
+  w.key(GLFW_KEY_8);
+  ASSERT_TRUE(w.settle());
+  const auto level = [&] {
+    return std::get<IsosurfaceLayer>(*lookOf(w.workspace().tile(kLook).scene)).level;
+  };
+  EXPECT_FALSE(level());
+  w.hold(GLFW_KEY_LEFT_SHIFT, true);
+  w.dragBy(kX, kY, 0, -50);
+  w.hold(GLFW_KEY_LEFT_SHIFT, false);
+  ASSERT_TRUE(level());
+  const auto range = w.desk().tileView(kLook).picture->volume->modalityRange();
+  EXPECT_NEAR(*level(), 300 - 0.1 * (range->max - range->min), 1e-6) << "up: lower values show, too";
+  w.key(GLFW_KEY_0);
+  EXPECT_FALSE(level());
 }
 
 // While it moves there are fewer pixels, with the same picture in them; then all of them; then the error.
 TEST(DeskLooks, ComeQuicklyThenSharpThenMeasured) {
   vernier::test::TempDir dir;
-  Desk desk({}, [] {});
+  // The renderer waits until each of its pictures has been seen.
+  std::atomic<bool> unseen = false, watching = true;
+  Desk desk({}, [&] {
+    unseen = true;
+    for (int k = 0; k < 5'000 && unseen && watching; ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  });
   for (int t = 0; t < kTiles; ++t) desk.setTileSize(t, t == kLook ? 701 : 60, t == kLook ? 533 : 50);
   desk.open({test::headStudy(dir)});
   const auto waitFor = [&](const auto& done) {
-    for (int k = 0; k < 60'000 && !done(); ++k) {
+    for (int k = 0; k < 60'000; ++k) {
+      const bool came = unseen;
       desk.update();
+      if (done()) return true;
+      if (came) unseen = false;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    return done();
+    return false;
   };
   ASSERT_TRUE(waitFor([&] { return desk.tileView(0).picture && desk.idle(); }));
   ASSERT_TRUE(desk.workspace().open3d());
@@ -219,13 +298,14 @@ TEST(DeskLooks, ComeQuicklyThenSharpThenMeasured) {
   EXPECT_EQ(draft.rgba.width, 701);
   EXPECT_EQ(draft.rgba.height, 533);
   EXPECT_FALSE(draft.measured);
-  std::vector<std::optional<Picked>> before;
+  std::vector<std::optional<PatientPoint>> before;
   std::vector<glm::dvec2> at;
   for (double y = 30; y < 533; y += 37)
     for (double x = 30; x < 701; x += 41)
       at.emplace_back(x, y), before.push_back(desk.pick(kLook, at.back()));
   ASSERT_TRUE(waitFor([&] { return desk.tileView(kLook).picture->measured; }));
   EXPECT_EQ(desk.tileView(kLook).picture->depths.perPixel, 1);
+  watching = false;
   EXPECT_TRUE(waitFor([&] { return desk.idle(); }));
   // Where both see something, they see it in one place; where one does, the other does: but for the edges.
   const double mm = desk.cameraOfTile(kLook)->mmPerPixel();
@@ -235,7 +315,7 @@ TEST(DeskLooks, ComeQuicklyThenSharpThenMeasured) {
     if (after.has_value() != before[n].has_value()) ++one;
     if (!after || !before[n]) continue;
     ++both;
-    const PatientVec off = after->point - before[n]->point;
+    const PatientVec off = *after - *before[n];
     const CameraPicture c = *desk.cameraOfTile(kLook);
     EXPECT_LT(std::hypot(dot(off, c.right), dot(off, c.up)),
               1.01 * mm * std::sqrt(2.0) * (0.5 * draft.depths.perPixel + 0.5))

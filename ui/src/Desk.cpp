@@ -134,7 +134,7 @@ std::optional<CameraPicture> Desk::cameraOfTile(int t) const {
   return f ? cameraOf(workspace_.tile(t).scene, *f, tileView(t).view) : std::nullopt;
 }
 
-std::optional<Picked> Desk::pick(int t, glm::dvec2 px) const {
+std::optional<PatientPoint> Desk::pick(int t, glm::dvec2 px) const {
   const TileView& shown = tileView(t);
   if (!shown.picture || !shown.camera) return std::nullopt;
   const Layer* look = lookOf(shown.picture->scene);
@@ -151,9 +151,7 @@ std::optional<Picked> Desk::pick(int t, glm::dvec2 px) const {
   const double depth = d.depth_mm[n];
   if (!std::isfinite(depth)) return std::nullopt;
   const glm::dvec2 centre = (at + 0.5 - small) * d.perPixel + middle;
-  Picked p{shown.camera->ray(centre.x, centre.y).at(depth), {}};
-  if (!d.values.empty() && std::isfinite(d.values[n])) p.value = d.values[n];
-  return p;
+  return shown.camera->ray(centre.x, centre.y).at(depth);
 }
 
 void Desk::opened(Opened o) {

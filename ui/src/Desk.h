@@ -31,12 +31,6 @@ struct TileView {
   std::optional<CameraPicture> camera;     // the same of a look through a volume
 };
 
-// What a look through a volume shows at a pixel.
-struct Picked {
-  PatientPoint point;
-  std::optional<double> value;  // of projections: the modality value that is shown
-};
-
 class Desk {
  public:
   Desk(app::SessionOptions, std::function<void()> wake);
@@ -79,7 +73,7 @@ class Desk {
   std::optional<CameraPicture> cameraOfTile(int t) const;
   // The point that is seen there: of a maximum or minimum where it lies, of renderings where half of the
   // light is gone, of surfaces the first hit. nullopt: nothing is there, or it has no depth (means and sums).
-  std::optional<Picked> pick(int t, glm::dvec2 px) const;
+  std::optional<PatientPoint> pick(int t, glm::dvec2 px) const;
   // DeskMeasure.cpp. What a measurement says, found once for each change of it; nullptr while its volume is
   // not there.
   const Result<measure::Measured>* said(const Drawn&);

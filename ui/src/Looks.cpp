@@ -13,6 +13,15 @@ namespace {
 // Height of the picture, of the box's diagonal: all of it would leave the patient small, and its corners are
 // air.
 constexpr double kHeight = 0.75;
+// Of the longest edge: what is long is never cut off.
+constexpr double kMargin = 1.05;
+
+double longestEdge_mm(const GridGeometry& g) {
+  const glm::dmat3& m = g.patientFromVoxel.linear;
+  return std::max({glm::length(m[0]) * static_cast<double>(g.columns - 1),
+                   glm::length(m[1]) * static_cast<double>(g.rows - 1),
+                   glm::length(m[2]) * (g.lastPosition_vox() - g.firstPosition_vox())});
+}
 
 }  // namespace
 
@@ -50,7 +59,8 @@ std::optional<Scene> sceneOfLook(const VolumeLook& look, const SourceFacts& f) {
   }
   Result<Scene> scene = presetScene(look.view, f.id.name, *f.grid, options);
   if (!scene) return std::nullopt;
-  scene->camera.height_mm = kHeight * cameraBox(*f.grid).diagonal_mm;
+  scene->camera.height_mm =
+      std::max(kHeight * cameraBox(*f.grid).diagonal_mm, kMargin * longestEdge_mm(*f.grid));
   return std::move(*scene);
 }
 

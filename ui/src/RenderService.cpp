@@ -55,10 +55,10 @@ Result<void> describeSource(app::Session& session, FinishedPicture& out) {
     const auto* window = windowOf(shown);
     const bool* inverted = inversionOf(shown);
     const bool colour = out.volume->isColour();
-    VoiWindow usual = session.defaultWindowOf(*out.volume);
-    if (lookOf(out.scene) && !colour) usual = wholeRange(*out.volume);
-    out.window = window && *window && usableWindow(**window) ? **window : usual;
-    out.inverted = inverted && *inverted != (sliceOf(out.scene) && info.inverted);
+    const VoiWindow usual = session.defaultWindowOf(*out.volume);
+    const VoiWindow first = lookOf(out.scene) && !colour ? wholeRange(*out.volume) : usual;
+    out.window = window && *window && usableWindow(**window) ? **window : first;
+    out.inverted = inverted && *inverted != info.inverted;
     out.findings = info.findings;
     out.windowFacts = {info.unit, info.windows, {}, info.windows.empty() ? usual : VoiWindow{}, {}};
     if (const auto range = out.volume->modalityRange()) out.windowFacts.range = {range->min, range->max};
@@ -77,8 +77,7 @@ View coarser(View view, int coarse) {
 }
 
 Depths depthsOf(const Images& images, const View& shown) {
-  return {images.width, images.height, static_cast<double>(shown.height_px) / images.height, images.depth,
-          images.values};
+  return {images.width, images.height, static_cast<double>(shown.height_px) / images.height, images.depth};
 }
 
 Result<void> finish(app::Session& session, const app::Rendered& r, double scale, FinishedPicture& out) {
@@ -194,12 +193,13 @@ FinishedPicture RenderService::draw(const RenderRequest& request, Stage stage, i
     quality.level = measure ? QualityLevel::Review : QualityLevel::Draft;
     app::RenderOptions options;
     options.measure = measure;
-    View view = coarser(request.view, coarse);
-    const Layer* look = lookOf(request.scene);
-    view.wantValues = look && std::holds_alternative<ProjectionLayer>(*look);
+    const View view = coarser(request.view, coarse);
+    const bool hurries = !measure && lookOf(request.scene);
+    if (hurries) quality.minFps = 1000.0 / kDraft_ms;
     Result<app::Rendered> r =
         request.session->render(request.scene, view, quality, options, stop, std::move(reuse));
     if (!r) return r.error();
+    if (hurries) r->plan.notes.clear();  // of a rate that nobody asked for; the refined picture has its own
     const Result<void> done = finish(*request.session, *r, request.scale, out);
     reuse = std::move(r->frame);
     return done;

@@ -45,7 +45,6 @@ struct Depths {
   int width = 0, height = 0;
   double perPixel = 1;
   std::vector<float> depth_mm;  // along the pixel's ray (CameraPicture), kNothing_mm: nothing there
-  std::vector<float> values;    // of projections: the modality value shown
 };
 
 struct FinishedPicture {

@@ -270,13 +270,14 @@ void Workspace::invert(int t) {
   }
 }
 
-void Workspace::resetView(int t) {
+void Workspace::resetView(int t, double aspect) {
   const SourceFacts* f = factsOfTile(t);
   if (!f) return;
   Scene scene = tile(t).scene;
   const std::optional<Scene> fresh =
       lookOf(scene) ? sceneOfLook({"", tile(t).view, ""}, *f) : sceneFor(*f, tile(t).view);
   scene.camera = fresh ? fresh->camera : Camera{};
+  if (lookOf(scene)) scene.camera.zoom = std::clamp(aspect, 0.1, 1.0);
   if (scene == tile(t).scene) return;
   edit(Gesture::Reset, t);
   at(t).scene = std::move(scene);

@@ -120,9 +120,11 @@ class Workspace {
   // image that was shown. A refusal says why not.
   Result<void> openMpr();
   // WorkspaceLooks.cpp. 2x2 with axial, coronal, sagittal (as they are, where they are shown already) and a
-  // look through the volume, which becomes active. A refusal says why not.
+  // look through the volume, which becomes active; of two pictures side by side the active one becomes such a
+  // look. A refusal says why not.
   Result<void> open3d();
-  // A tile of a volume shows this look; a camera and a window that were chosen stay.
+  // A tile of a volume shows this look; the camera stays, and window and inversion where both looks have
+  // them.
   void setLook(int t, const VolumeLook&);
   // Another stack of the same layout (the next time point) in place of the tile's, all else as it is.
   void replaceSource(int t, const SourceId&);
@@ -134,7 +136,7 @@ class Workspace {
   void setWindow(int t, const VoiWindow&);
   void choose(int t, const WindowChoice&);
   void invert(int t);
-  void resetView(int t);
+  void resetView(int t, double aspect = 1);  // of the tile, width / height: looks fit narrow ones, too
   // Scenes made from the one at the drag's begin.
   void setScene(int t, Gesture, Scene);
   // Moves the planes of all tiles that share the frame of reference through the point; stacks go to the

@@ -34,19 +34,29 @@ Result<void> Workspace::open3d() {
   const Result<const SourceFacts*> fit = fitFor3d();
   if (!fit) return fit.error();
   const SourceFacts f = **fit;
-  const VolumeLook look = firstLook(f);
-  std::optional<Scene> through = sceneOfLook(look, f);
-  if (!through) return makeError(ErrorCode::GeometryRefused, "This volume cannot be looked through.");
+  const VolumeLook first = firstLook(f);
+  std::optional<Scene> scene = sceneOfLook(first, f);
+  if (!scene) return makeError(ErrorCode::GeometryRefused, "This volume cannot be looked through.");
+  // A look that there is already comes along, wherever it is.
+  Tile look{f.id, first.view, std::move(*scene)};
+  for (const Tile& tile : now_.tiles)
+    if (tile.source == f.id && lookOf(tile.scene)) look = tile;
+  if (now_.layout == Layout::Pair) {
+    if (!lookOf(tile(now_.active).scene)) edit(Gesture::Look, now_.active), at(now_.active) = std::move(look);
+    return {};
+  }
   // Slices that are shown already stay as they are.
   bool beside = now_.layout == Layout::Quad;
   for (int t = 0; t < kLookTile; ++t) beside = beside && tile(t).source == f.id && tile(t).view == kBeside[t];
+  if (beside && tile(kLookTile) == look && !now_.maximised) {
+    now_.active = kLookTile;  // where the eye is, is no edit
+    return {};
+  }
   if (!beside)
     if (const Result<void> mpr = openMpr(); !mpr) return mpr;
-  const bool stepMade = !beside;  // by openMpr(): both are one step of undo
-  Arrangement& a = stepMade ? now_ : edit(Gesture::Layout, -1);
+  Arrangement& a = beside ? edit(Gesture::Layout, -1) : now_;  // openMpr() has made the step
   a.maximised.reset();
-  if (!(at(kLookTile).source == f.id && lookOf(at(kLookTile).scene)))
-    at(kLookTile) = {f.id, look.view, std::move(*through)};
+  at(kLookTile) = std::move(look);
   a.active = kLookTile;
   return {};
 }

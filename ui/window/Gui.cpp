@@ -60,7 +60,8 @@ void Gui::keys() {
     why_.clear();
   }
   if (pressed(GLFW_KEY_F1)) help_ = !help_;
-  if (notice_) return;
+  // What is in the hand is a scene of before: nothing else changes it meanwhile.
+  if (notice_ || drag_ || lensHold_ || grip_) return;
   if (io.KeyCtrl) {
     if (pressed(GLFW_KEY_Z) && !io.KeyShift) w.undo();
     if (pressed(GLFW_KEY_Y) || (pressed(GLFW_KEY_Z) && io.KeyShift)) w.redo();
@@ -84,8 +85,8 @@ void Gui::keys() {
   if (pressed(GLFW_KEY_T)) w.setTogether(!w.now().together);
   if (pressed(GLFW_KEY_K)) wipe_ = !wipe_ && mayLayOver();
   if (pressed(GLFW_KEY_F)) (void)mayLayOver();  // says why not; while it is down: TilePanel.cpp
-  if (pressed(GLFW_KEY_I)) w.invert(active);
-  if (pressed(GLFW_KEY_R)) w.resetView(active);
+  if (pressed(GLFW_KEY_I)) invert(active);
+  if (pressed(GLFW_KEY_R)) w.resetView(active, aspectOf(active));
   if (lookKeys()) return;
   if (ImGui::IsKeyPressed(GLFW_KEY_DOWN) || ImGui::IsKeyPressed(GLFW_KEY_PAGE_DOWN)) w.scroll(active, 1);
   if (ImGui::IsKeyPressed(GLFW_KEY_UP) || ImGui::IsKeyPressed(GLFW_KEY_PAGE_UP)) w.scroll(active, -1);
@@ -174,9 +175,9 @@ void Gui::viewButtons() {
   windowMenu();
   const int active = w.now().active;
   ImGui::SameLine();
-  if (toggle("Invert", false, "Dark and bright change places (I)")) w.invert(active);
+  if (toggle("Invert", false, "Dark and bright change places (I)")) invert(active);
   ImGui::SameLine(0, theme_.px(4));
-  if (toggle("Fit", false, "Whole picture in sight again (R)")) w.resetView(active);
+  if (toggle("Fit", false, "Whole picture in sight again (R)")) w.resetView(active, aspectOf(active));
 }
 
 void Gui::historyButtons() {

@@ -49,7 +49,7 @@ class Gui {
     double unit_mm = 1;
     glm::dvec2 fromCentre_px{0, 0};
     int scrolled = 0;
-    TransferFunction transfer;  // of a rendering whose window is dragged
+    TransferFunction transfer;  // of a rendering that is dragged like a window
   };
 
   // Gui.cpp
@@ -79,12 +79,14 @@ class Gui {
   void hoverDetails(int t, Rect);
   void probe(int t, Rect);
   // LookTools.cpp
+  double aspectOf(int t) const;
+  void invert(int t);
   bool lookMenu();  // false: the active tile is no look through a volume
   bool lookKeys();
   void lookWheel(int t, Rect, float notches);
   bool beginLookDrag(int t, Drag&);  // false: there is nothing to drag
   void dragLook(const Drag&, glm::dvec2 way);
-  bool moveCrosshairTo(int t, glm::dvec2 px);
+  void moveCrosshairTo(int t, glm::dvec2 px);
   void probeLook(int t, glm::dvec2 px);
   void crosshairInLook(int t, Rect);
   // Sketching.cpp

@@ -75,6 +75,11 @@ void Gui::putLens(int t, glm::dvec2 px) {
     why_ = may.error().sentence;
     return;
   }
+  if (through && std::holds_alternative<ProjectionLayer>(*lookOf(w.tile(t).scene)) &&
+      shown.picture->inverted) {
+    why_ = "An inverted projection takes no lens; take the inversion back (I) first.";
+    return;
+  }
   const std::vector<LensLook> looks =
       through ? lensLooksThrough(*w.factsOfTile(t), w.tile(t).scene, w.tile(t).view)
               : lensLooks(shown.picture->windowFacts);
@@ -96,8 +101,7 @@ void Gui::putLens(int t, glm::dvec2 px) {
   const CameraPicture& camera = *shown.camera;
   const auto picked = desk_.pick(t, px);
   const PatientPoint at =
-      picked ? picked->point
-             : camera.ray(px.x, px.y).at(camera.targetDistance_mm * camera.rayPerDepth(px.x, px.y));
+      picked ? *picked : camera.ray(px.x, px.y).at(camera.targetDistance_mm * camera.rayPerDepth(px.x, px.y));
   lens_ = w.addLens(t, at, kFirst * side_px * camera.mmPerPixel(), looks.front());
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "Gui.h"
 #include "Looks.h"
@@ -15,6 +14,22 @@ namespace {
 constexpr double kNotch_px = 10, kArrow_px = 30;  // a notch of the wheel, an arrow key, as ways of the hand
 
 }  // namespace
+
+double Gui::aspectOf(int t) const {
+  const View& v = desk_.tileView(t).view;
+  return v.height_px > 0 ? static_cast<double>(v.width_px) / v.height_px : 1;
+}
+
+void Gui::invert(int t) {
+  Workspace& w = desk_.workspace();
+  why_.clear();
+  const Layer* look = lookOf(w.tile(t).scene);
+  const bool lensed = w.sceneOf(t).layers.size() > w.tile(t).scene.layers.size();
+  if (look && std::holds_alternative<ProjectionLayer>(*look) && lensed)
+    why_ = "A projection with a lens is not inverted; take the lens away (Del) first.";
+  else
+    w.invert(t);
+}
 
 // In place of the window presets: looks, windows where the look has one, directions.
 bool Gui::lookMenu() {
@@ -44,7 +59,7 @@ bool Gui::lookMenu() {
   ImGui::Separator();
   ImGui::TextDisabled("Seen from");
   for (const Direction& d : directions())
-    if (ImGui::Selectable(d.name)) w.setScene(t, Gesture::WheelTurn, seenFrom(tile.scene, d));
+    if (ImGui::Selectable(d.name)) w.setScene(t, Gesture::Look, seenFrom(tile.scene, d));
   ImGui::EndCombo();
   return true;
 }
@@ -62,6 +77,7 @@ bool Gui::lookKeys() {
     Scene scene = w.tile(t).scene;
     for (Layer& layer : scene.layers) {
       if (auto* volume = std::get_if<VolumeLayer>(&layer)) volume->transfer.reset();
+      if (auto* iso = std::get_if<IsosurfaceLayer>(&layer)) iso->level.reset();
       if (auto* window = windowOf(layer)) window->reset();
     }
     w.setScene(t, Gesture::Window, std::move(scene));
@@ -87,18 +103,27 @@ void Gui::lookWheel(int t, Rect r, float notches) {
 }
 
 // The left button turns; with Shift it windows what has a window, and drags the transfer function of
-// renderings.
+// renderings and the level of surfaces.
 bool Gui::beginLookDrag(int t, Drag& d) {
-  const bool windowing = d.tool == Tool::Window && ImGui::GetIO().KeyShift;
-  if (!windowing) {
-    if (d.tool == Tool::Window || d.tool == Tool::Scroll) d.tool = Tool::Turn;
-    return true;
-  }
+  const View& view = desk_.tileView(t).view;
+  const glm::dvec2 px = d.fromCentre_px + 0.5 * glm::dvec2(view.width_px, view.height_px);
+  if (d.tool == Tool::Crosshair && !desk_.pick(t, px))
+    why_ = "Nothing is seen there that has a place: click on what the picture shows.";
+  if (d.tool != Tool::Window && d.tool != Tool::Scroll) return true;
+  d.tool = ImGui::GetIO().KeyShift ? Tool::Window : Tool::Turn;
+  if (d.tool == Tool::Turn) return true;
   const auto& shown = desk_.tileView(t).picture;
   if (!shown || shown->error || !shown->volume) return false;
   Layer layer = *lookOf(d.scene);
   if (windowOf(layer)) {
     d.window = shown->window, d.inverted = shown->inverted;
+    return true;
+  }
+  if (const auto* iso = std::get_if<IsosurfaceLayer>(&layer); iso && !shown->volume->isColour()) {
+    const auto range = shown->volume->modalityRange();
+    const double level = iso->level.value_or(defaultIsoLevel(*shown->volume));
+    d.window =
+        VoiWindow{level, range ? std::max(range->max - range->min, 1e-30) : 1, VoiFunction::LinearExact, ""};
     return true;
   }
   const auto* volume = std::get_if<VolumeLayer>(&layer);
@@ -126,40 +151,40 @@ void Gui::dragLook(const Drag& d, glm::dvec2 way) {
     return;
   }
   Scene scene = d.scene;
-  for (Layer& any : scene.layers)
+  for (Layer& any : scene.layers) {
     if (auto* volume = std::get_if<VolumeLayer>(&any))
       volume->transfer = draggedTransfer(d.transfer, way, theme_.scale);
+    if (auto* iso = std::get_if<IsosurfaceLayer>(&any))  // up: lower, as of windows
+      iso->level = draggedWindow(d.window, {0, way.y}, false, theme_.scale).center;
+  }
   w.setScene(d.tile, Gesture::Window, std::move(scene));
 }
 
 // To the point under the hand; in a look through a volume to the one that is seen there.
-bool Gui::moveCrosshairTo(int t, glm::dvec2 px) {
+void Gui::moveCrosshairTo(int t, glm::dvec2 px) {
   Workspace& w = desk_.workspace();
   if (lookOf(w.tile(t).scene)) {
-    const auto picked = desk_.pick(t, px);
-    if (picked) w.moveCrosshair(t, picked->point);
-    return picked.has_value();
+    if (const auto seen = desk_.pick(t, px)) w.moveCrosshair(t, *seen);
+    return;
   }
   const auto place = desk_.placeOfTile(t);
-  if (!place || !place->inPatient) return false;
-  w.moveCrosshair(t, place->patientAt(px));
-  return true;
+  if (place && place->inPatient) w.moveCrosshair(t, place->patientAt(px));
 }
 
 void Gui::probeLook(int t, glm::dvec2 px) {
   const SourceFacts* f = desk_.workspace().factsOfTile(t);
   const FinishedPicture& shown = *desk_.tileView(t).picture;
-  const auto picked = desk_.pick(t, px);
-  if (!f || !picked || !shown.volume) return;
-  probe_ = probePoint(*shown.volume, *f, picked->point);
-  if (!picked->value) {
-    probe_.value = "seen here: " + probe_.value;
+  const auto seen = desk_.pick(t, px);
+  if (!f || !shown.volume) return;
+  const auto* projection = std::get_if<ProjectionLayer>(lookOf(shown.scene));
+  if (!seen) {
+    if (projection && projection->mode == ProjectionMode::Mean)
+      probe_.value = "mean along the ray",
+      probe_.origin = "it has no single value and no place in the patient";
     return;
   }
-  char text[64];
-  std::snprintf(text, sizeof text, "%.6g", std::round(*picked->value * 100) / 100);
-  probe_.value = std::string("projected: ") + text +
-                 (shown.windowFacts.unit.empty() ? "" : " " + shown.windowFacts.unit);
+  probe_ = probePoint(*shown.volume, *f, *seen);
+  probe_.value = (projection ? "projected: " : "seen here: ") + probe_.value;
 }
 
 // Where the crosshair is, whatever lies before it.

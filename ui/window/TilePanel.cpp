@@ -262,15 +262,15 @@ void Gui::hands(int t, Rect r, bool hovered) {
   if (notice_) return;
   Workspace& w = desk_.workspace();
   const ImGuiIO& io = ImGui::GetIO();
-  if (hovered && io.MouseWheel != 0 && !io.KeyShift && lookOf(w.tile(t).scene)) {
+  if (hovered && io.MouseWheel != 0 && !drag_) {
     w.setActive(t);
-    lookWheel(t, r, io.MouseWheel);
-  } else if (hovered && io.MouseWheel != 0) {
-    w.setActive(t);
+    const bool look = lookOf(w.tile(t).scene) != nullptr;
+    if (look && !io.KeyShift && !io.KeyCtrl) return lookWheel(t, r, io.MouseWheel);
     wheel_ += io.MouseWheel;
     const int notches = static_cast<int>(wheel_);  // touch pads send parts of a notch
     wheel_ -= static_cast<float>(notches);
     if (io.KeyCtrl && lensWheel(t, r, notches)) return;
+    if (look && !io.KeyShift) return lookWheel(t, r, io.MouseWheel);
     if (io.KeyShift)
       desk_.stepTime(t, -notches);
     else

@@ -12,7 +12,7 @@ namespace {
 
 // Built-in costs of one thread, measured: of a ray, of a sample on it, and of a cell where all are walked.
 constexpr double kRay_ns = 150, kFastSample_ns = 1.5, kGeneralSample_ns = 60;
-constexpr double kExactRay_ns = 700, kExactCell_ns = 25;
+constexpr double kExactRay_ns = 1600, kExactCell_ns = 25;
 
 // Bounds are made of even grids only.
 bool hasBounds(const ProjectionParams& p) { return p.volume->grid().even(); }

@@ -312,8 +312,9 @@ Annotations describeRendering(const VolumeLayer& layer, const CameraPicture& cam
   if (layer.opacity == OpacityRule::Linear) name += ", linear opacity";
   out.what.insert(out.what.begin(), plain(name, "DVR"));
   if (info.channels == 1)
-    out.status.push_back(
-        plain(layer.preset.empty() ? "transfer function of its own" : "transfer " + layer.preset));
+    out.status.push_back(plain(layer.preset.empty() ? "transfer function of its own"
+                               : layer.transfer     ? "transfer " + layer.preset + ", changed"
+                                                    : "transfer " + layer.preset));
   return out;
 }
 

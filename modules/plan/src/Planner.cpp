@@ -129,6 +129,7 @@ void Planner::choose(std::vector<Candidate> candidates, std::size_t index, const
   const bool anyFits = std::any_of(candidates.begin(), candidates.end(), fits);
   const auto better = [&](const Candidate& a, const Candidate& b) {
     if (rateFirst() && inTime(a) != inTime(b)) return inTime(a);
+    if (rateFirst() && !inTime(a)) return cheaper(a, b);  // neither: what comes closest to the rate
     if (fits(a) != fits(b)) return fits(a);
     if (inTime(a) != inTime(b)) return inTime(a);
     if (!anyFits && a.error != b.error) return a.error < b.error;

@@ -120,8 +120,8 @@ Result<ErrorReport> measureError(const Frame& frame, const Scene& scene, const V
   const bool withValues = frame.images.values.size() == count && top;
   std::vector<Sample> samples(pixels.size());
   parallelFor(pixels.size(), 16, [&](std::size_t begin, std::size_t end) {
-    if (stop.stop_requested()) return;
-    for (std::size_t n = begin; n < end; ++n) {
+    // A pixel of a rendering may take milliseconds.
+    for (std::size_t n = begin; n < end && !stop.stop_requested(); ++n) {
       const glm::dvec2 pixel = centreOf(pixels[n], view);
       Sample& s = samples[n];
       const ReferencePixel truth = layers->at(pixel, withValues ? &s.value : nullptr);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include "vernier/base/Threads.h"
 
@@ -11,15 +13,50 @@ namespace {
 
 constexpr std::int64_t kLeastEdge = 8, kMostPerAxis = 32;  // cells; bricks
 
+// Least and greatest of each row's stored values first: a slope and an intercept keep their order, or turn
+// it.
+template <class T>
 LocalRange rangeOf(const Volume& v, const BrickRanges::Brick& b) {
+  const GridGeometry& g = v.grid();
+  const auto* const voxels = reinterpret_cast<const T*>(v.data());
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  const bool some = v.info().noData.has_value();
+  const double first = some ? v.info().noData->first : inf, last = some ? v.info().noData->last : -inf;
   LocalRange r;
-  for (std::int64_t k = b.z.first; k <= b.z.last; ++k)
-    for (std::int64_t j = b.y.first; j <= b.y.last; ++j)
+  for (std::int64_t k = b.z.first; k <= b.z.last; ++k) {
+    const ModalityRescale& rescale = v.rescaleOf(k);
+    for (std::int64_t j = b.y.first; j <= b.y.last; ++j) {
+      const T* const row = voxels + (k * g.rows + j) * g.columns;
+      LocalRange stored;
       for (std::int64_t i = b.x.first; i <= b.x.last; ++i) {
-        const double stored = v.stored(i, j, k);
-        if (!v.isNoData(stored)) r.add(v.rescaleOf(k).slope * stored + v.rescaleOf(k).intercept);
+        const auto s = static_cast<double>(row[i]);  // NaN is neither below nor above anything
+        if (!(s >= first && s <= last)) stored.add(s);
       }
+      if (stored.min > stored.max) continue;
+      r.add(rescale.slope * stored.min + rescale.intercept);
+      r.add(rescale.slope * stored.max + rescale.intercept);
+    }
+  }
   return r;
+}
+
+LocalRange rangeOf(const Volume& v, const BrickRanges::Brick& b) {
+  switch (v.type()) {
+    case VoxelType::U8:
+      return rangeOf<std::uint8_t>(v, b);
+    case VoxelType::I8:
+      return rangeOf<std::int8_t>(v, b);
+    case VoxelType::U16:
+      return rangeOf<std::uint16_t>(v, b);
+    case VoxelType::I16:
+      return rangeOf<std::int16_t>(v, b);
+    case VoxelType::U32:
+      return rangeOf<std::uint32_t>(v, b);
+    case VoxelType::I32:
+      return rangeOf<std::int32_t>(v, b);
+    default:
+      return rangeOf<float>(v, b);
+  }
 }
 
 }  // namespace

@@ -343,6 +343,9 @@ TEST(MakePlan, AFrameRateRejectsWhatIsTooSlow) {
   EXPECT_THAT(whyRejected(*plan, "mpr.exact"), HasSubstr("40 ms, too slow for the 50 frames per second"));
   ASSERT_EQ(plan->notes.size(), 1u);
   EXPECT_THAT(plan->notes[0], HasSubstr("predicted error 3 levels, 2 wanted"));
+  q.minFps = 500;
+  EXPECT_EQ(chosen(q, noGl(), {exact, quick}), "mpr.quick")
+      << "neither is fast enough: the one that comes closer";
   q.minFps = 20;
   EXPECT_EQ(chosen(q, noGl(), {exact, quick}), "mpr.exact") << "fast enough";
   q.minFps = 50;

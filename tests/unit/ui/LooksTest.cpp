@@ -52,6 +52,25 @@ TEST(Looks, EachIsAPictureThroughTheVolumeThatNamesItself) {
   EXPECT_EQ(firstLook(ct()).name, "Bone");
 }
 
+// What is long is not cut off, from no side.
+TEST(Looks, TheWholeBoxIsInSightFromFrontAndSide) {
+  for (const glm::ivec3 size : {glm::ivec3(64, 48, 20), {20, 20, 180}, {300, 10, 10}, {50, 50, 50}}) {
+    SourceFacts f = ct();
+    f.grid->columns = size.x, f.grid->rows = size.y, f.grid->slices = size.z;
+    for (const std::size_t n : {0u, 2u}) {
+      const Scene s = seenFrom(*sceneOfLook(firstLook(f), f), directions()[n]);
+      const CameraPicture c = *cameraPicture(s.camera, {300, 300, false}, cameraBox(*f.grid));
+      for (int corner = 0; corner < 8; ++corner) {
+        const VoxelPoint v(corner & 1 ? size.x - 1 : 0, corner & 2 ? size.y - 1 : 0,
+                           corner & 4 ? size.z - 1 : 0);
+        const glm::dvec4 at = c.pixelFromPatient() * glm::dvec4((f.grid->patientFromVoxel * v).p, 1);
+        EXPECT_TRUE(at.x >= 0 && at.x <= 300 && at.y >= 0 && at.y <= 300)
+            << size.z << " " << at.x << "," << at.y;
+      }
+    }
+  }
+}
+
 // The front of what is seen follows the hand: half a degree a pixel.
 TEST(Turned, TheFrontFollowsTheHand) {
   for (const double roll : {0.0, 30.0, 90.0, -120.0}) {
@@ -137,7 +156,7 @@ TEST(WorkspaceLooks, StandBesideTheSlicesThroughOnePoint) {
   EXPECT_EQ(w.tile(0).scene, axial);
 }
 
-TEST(WorkspaceLooks, KeepTheCameraAndTheWindowThatWereChosen) {
+TEST(WorkspaceLooks, KeepTheCameraAndWhatBothHaveOfWindowAndInversion) {
   Workspace w = withLook();
   const std::vector<VolumeLook> looks = volumeLooks(ct());
   w.setLook(3, looks[0]);
@@ -145,16 +164,61 @@ TEST(WorkspaceLooks, KeepTheCameraAndTheWindowThatWereChosen) {
   w.setWindow(3, {300, 600, VoiFunction::Linear, ""});
   w.invert(3);
   const Camera chosen = w.tile(3).scene.camera;
+  w.setLook(3, looks[1]);
+  const auto& least = std::get<ProjectionLayer>(w.tile(3).scene.layers[0]);
+  EXPECT_EQ(least.mode, ProjectionMode::Min);
+  ASSERT_TRUE(least.window);
+  EXPECT_EQ(least.window->width, 600);
+  EXPECT_TRUE(least.invert);
   for (const VolumeLook& look : looks) {
     w.setLook(3, look);
     EXPECT_EQ(w.tile(3).scene.camera, chosen) << look.name;
   }
-  w.setLook(3, looks[0]);
-  w.setLook(3, looks[1]);
-  auto layer = std::get<ProjectionLayer>(w.tile(3).scene.layers[0]);
-  EXPECT_EQ(layer.mode, ProjectionMode::Min);
   w.resetView(3);
-  EXPECT_EQ(w.tile(3).scene.camera, sceneOfLook(looks[1], ct())->camera);
+  EXPECT_EQ(w.tile(3).scene.camera, sceneOfLook(looks.back(), ct())->camera);
+  w.resetView(3, 0.5);
+  EXPECT_EQ(w.tile(3).scene.camera.zoom, 0.5) << "a tile half as wide as high shows all of the width";
+}
+
+TEST(WorkspaceLooks, AskedForAgainStayAsTheyAreAndMakeNoStep) {
+  Workspace w = withLook();
+  w.setScene(3, Gesture::Turn, turned(w.tile(3).scene, {40, 10}));
+  const Tile chosen = w.tile(3);
+  w.setActive(0);
+  w.undo();
+  const bool redo = w.canRedo();
+  ASSERT_TRUE(w.open3d());
+  EXPECT_EQ(w.now().active, 3);
+  EXPECT_EQ(w.canRedo(), redo) << "where the eye is, is no edit";
+  w.redo();
+  EXPECT_EQ(w.tile(3), chosen);
+  // From two side by side, where it stands on another place, it comes back.
+  w.setLayout(Layout::Pair);
+  w.setLayout(Layout::Quad);
+  ASSERT_TRUE(w.open3d());
+  EXPECT_EQ(w.tile(3), chosen);
+}
+
+// Two time points, or two series, turned together.
+TEST(WorkspaceLooks, OfTwoSideBySideEachMayBeOneAndTheyTurnTogether) {
+  Workspace w;
+  for (const char* name : {"a", "b"}) {
+    SourceFacts f = ct();
+    f.id.name = name;
+    w.know(f);
+  }
+  w.setLayout(Layout::Pair);
+  w.open({0, "a"}, 0);
+  ASSERT_TRUE(w.open3d());
+  EXPECT_NE(lookOf(w.tile(0).scene), nullptr);
+  EXPECT_EQ(w.now().layout, Layout::Pair);
+  w.open({0, "b"}, 1);
+  ASSERT_TRUE(w.open3d());
+  EXPECT_EQ(*volumeOf(*lookOf(w.tile(1).scene)), "b");
+  EXPECT_EQ(*volumeOf(*lookOf(w.tile(0).scene)), "a");
+  w.setTogether(true);
+  w.setScene(1, Gesture::Turn, turned(w.tile(1).scene, {30, 0}));
+  EXPECT_DOUBLE_EQ(w.tile(0).scene.camera.azimuth_deg, -15);
 }
 
 TEST(WorkspaceLooks, WindowsOfLooksAndOfSlicesAreTheirOwn) {
@@ -173,7 +237,7 @@ TEST(WorkspaceLooks, WindowsOfLooksAndOfSlicesAreTheirOwn) {
   for (int t = 0; t < 4; ++t) EXPECT_EQ(sliceOf(w.tile(t).scene)->window->width, 80) << t;
 }
 
-TEST(WorkspaceLooks, FollowTheNextTimePointAndEachOther) {
+TEST(WorkspaceLooks, FollowTheNextTimePoint) {
   Workspace w = withLook();
   w.know(test::axialFacts(0, "b"));
   w.replaceSource(3, {0, "b"});
