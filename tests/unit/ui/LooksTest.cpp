@@ -7,6 +7,7 @@
 #include "Facts.h"
 #include "SceneEdits.h"
 #include "Workspace.h"
+#include "vernier/picture/Describe.h"
 #include "vernier/plan/CameraPicture.h"
 
 namespace vernier::ui {
@@ -50,6 +51,19 @@ TEST(Looks, EachIsAPictureThroughTheVolumeThatNamesItself) {
   colours.colour = true;
   EXPECT_EQ(volumeLooks(colours).size(), 1u) << "colours have no maximum and no level";
   EXPECT_EQ(firstLook(ct()).name, "Bone");
+}
+
+// What stands on the picture of a rendering whose transfer function was dragged.
+TEST(Looks, AChangedTransferFunctionIsSaidOnThePicture) {
+  VolumeInfo info;
+  VolumeLayer layer;
+  layer.preset = "ct-bone";
+  const auto said = [&] {
+    return describeRendering(layer, camera(scene("Bone")), info, false).status[0].text;
+  };
+  EXPECT_EQ(said(), "transfer ct-bone");
+  layer.transfer = TransferFunction{{{0, glm::dvec3(1)}}, {{0, 0.5}}, 1};
+  EXPECT_EQ(said(), "transfer ct-bone, changed");
 }
 
 // What is long is not cut off, from no side.
