@@ -194,8 +194,10 @@ void Gui::crosshairInLook(int t, Rect r) {
   if (!shown.camera || !shown.picture || shown.picture->error || !cross) return;
   const glm::dvec4 at = shown.camera->pixelFromPatient() * glm::dvec4(cross->p, 1);
   if (!(at.w > 0)) return;
-  const ImVec2 c(r.x + static_cast<float>(at.x / at.w), r.y + static_cast<float>(at.y / at.w));
-  const float arm = theme_.px(10), inner = theme_.px(4), line = std::max(1.0f, theme_.px(1));
+  // Whole pixels, so that thin lines keep their colour.
+  const ImVec2 c(r.x + std::floor(static_cast<float>(at.x / at.w)),
+                 r.y + std::floor(static_cast<float>(at.y / at.w)));
+  const float arm = theme_.px(14), inner = theme_.px(5), line = std::max(1.0f, theme_.px(1));
   ImDrawList* draw = ImGui::GetWindowDrawList();
   const auto mark = [&](ImU32 shade, float thick) {
     for (const ImVec2 way : {ImVec2(1, 0), ImVec2(-1, 0), ImVec2(0, 1), ImVec2(0, -1)})
