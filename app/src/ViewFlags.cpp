@@ -73,7 +73,9 @@ void addViewOptions(CLI::App& sub, ViewOptions& o) {
          "First sampling step along rays, in smallest voxel spacings (absent: 1); draft keeps it, review "
          "and reference halve it until their goal is met")
       ->check(CLI::Range(1.0 / 32, 1.0));
-  sub.add_option("--min-fps", o.minFps, "Frames per second wanted")->check(finiteAboveZero());
+  sub.add_option("--min-fps", o.minFps,
+                 "Frames per second wanted; goes before accuracy, but at reference and with --max-error")
+      ->check(finiteAboveZero());
   sub.add_option("--error-samples", o.errorSamples, "Pixels that the error is measured at")
       ->check(CLI::Range(1, 100'000'000))
       ->capture_default_str();
