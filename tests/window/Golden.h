@@ -21,12 +21,12 @@ inline constexpr int kGoldenMax = 12;
 inline constexpr double kGoldenMean = 0.02;
 
 // Empty when `seen` counts as the golden, else why not.
-inline std::string differs(const Picture& golden, const Picture& seen) {
+inline std::string differs(const Picture& golden, const Picture& seen, int most = kGoldenMax) {
   const Result<Difference> d = comparePictures(golden, seen);
   if (!d) return d.error().sentence;
-  if (d->max <= kGoldenMax && d->mean <= kGoldenMean) return "";
+  if (d->max <= most && d->mean <= kGoldenMean) return "";
   return "max " + std::to_string(d->max) + " at " + std::to_string(d->worstX) + "," +
-         std::to_string(d->worstY) + " (allowed " + std::to_string(kGoldenMax) + "), mean " +
+         std::to_string(d->worstY) + " (allowed " + std::to_string(most) + "), mean " +
          std::to_string(d->mean) + " (allowed " + std::to_string(kGoldenMean) + ")";
 }
 
@@ -49,8 +49,10 @@ inline std::string goldenPath(const std::string& name, const std::string& folder
   return std::string(VERNIER_SOURCE_DIR) + "/" + folder + "/" + name + ".png";
 }
 
+// `most`: of looks through a volume single pixels at an outline go one way or the other with the last digit,
+// which differs between instruction sets; the mean tells all else.
 inline void expectGolden(const std::string& name, const Picture& seen,
-                         const std::string& folder = "tests/golden/window") {
+                         const std::string& folder = "tests/golden/window", int most = kGoldenMax) {
   expectNotTrivial(seen);
   const char* renewed = std::getenv("VERNIER_RENEW_GOLDEN");
   if (renewed && name == renewed) {
@@ -60,7 +62,7 @@ inline void expectGolden(const std::string& name, const Picture& seen,
     return;
   }
   const Result<Picture> golden = readPng(goldenPath(name, folder));
-  const std::string why = golden ? differs(*golden, seen) : "there is no such golden";
+  const std::string why = golden ? differs(*golden, seen, most) : "there is no such golden";
   if (why.empty()) return;
   const std::string left = std::string(VERNIER_BUILD_DIR) + "/window-" + name + ".png";
   EXPECT_TRUE(writePng(left, seen).ok());

@@ -42,20 +42,24 @@ void moreTools(test::WindowDriver& w) {
   ASSERT_TRUE(w.settle());
 }
 
-// A rendering that is turned, cut open by a lens, and the point that was clicked in the slices beside it.
+// A surface that is turned, cut open by a lens, and the point that was clicked in the slices beside it.
+// Surfaces are exact however slow the machine is; of renderings the error that stands on the picture depends
+// on the time.
 void throughTheVolume(test::WindowDriver& w) {
   w.key(GLFW_KEY_F5);
   ASSERT_TRUE(w.settle());
   w.key(GLFW_KEY_W);
+  w.key(GLFW_KEY_8);
   w.dragBy(1030, 600, 70, 30);
   w.move(1060, 540);
+  ASSERT_TRUE(w.settle());  // the lens goes about the point that is seen
   w.key(GLFW_KEY_G);
   ASSERT_TRUE(w.settle());
   w.hold(GLFW_KEY_LEFT_CONTROL, true);
   w.click(1102, 632);
   w.hold(GLFW_KEY_LEFT_CONTROL, false);
   w.move(2, 2);
-  expectPicture("guide-3d", w);
+  test::expectGolden("guide-3d", w.screenshot(), "docs", 255);
 }
 
 TEST(Guide, ItsPicturesAreOfThisWindow) {
