@@ -16,13 +16,6 @@ constexpr double kHeight = 0.75;
 // Of the longest edge: what is long is never cut off.
 constexpr double kMargin = 1.05;
 
-double longestEdge_mm(const GridGeometry& g) {
-  const glm::dmat3& m = g.patientFromVoxel.linear;
-  return std::max({glm::length(m[0]) * static_cast<double>(g.columns - 1),
-                   glm::length(m[1]) * static_cast<double>(g.rows - 1),
-                   glm::length(m[2]) * (g.lastPosition_vox() - g.firstPosition_vox())});
-}
-
 }  // namespace
 
 std::vector<VolumeLook> volumeLooks(const SourceFacts& f) {

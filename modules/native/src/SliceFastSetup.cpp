@@ -110,11 +110,11 @@ void setFetchAhead(FastSlice& s, std::int64_t volumeBytes) {
   for (std::size_t a = 0; a < 3; ++a) {
     // Of the two voxels that a sample lies between, the one to which the rows move: the other was read for
     // them.
-    const std::int64_t further = a > 0 && s.down[a] > 0 ? std::int64_t{1} << kFineBits : 0;
-    const std::int64_t down = kRowsAhead * s.down[a] + further;
+    const std::int64_t further = a > 0 && s.down[a] > 0 ? std::int64_t{1} << kLaneBits : 0;
+    const std::int64_t down = kRowsAhead * (s.down[a] >> drop) + further;
     for (int odd = 0; odd < 2; ++odd)
       for (int n = 0; n < kBlock_px / 4; ++n) {
-        const std::int64_t at = (down + (4 * n + 2 * odd) * s.right[a]) >> drop;
+        const std::int64_t at = down + (4 * n + 2 * odd) * (s.right[a] >> drop);
         s.fetchAhead = s.fetchAhead && std::abs(at) < kReach_vox << kLaneBits >> 1;
         s.ahead[odd][a][n] = static_cast<std::int32_t>(at);
       }

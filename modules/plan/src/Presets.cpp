@@ -50,14 +50,6 @@ glm::dvec3 sliceCentre_vox(const GridGeometry& grid, int axis, std::int64_t inde
   return c;
 }
 
-double longestEdge_mm(const GridGeometry& grid) {
-  const glm::dmat3& m = grid.patientFromVoxel.linear;
-  const double edge = std::max({glm::length(m[0]) * static_cast<double>(grid.columns - 1),
-                                glm::length(m[1]) * static_cast<double>(grid.rows - 1),
-                                glm::length(m[2]) * (grid.lastPosition_vox() - grid.firstPosition_vox())});
-  return edge > 0 ? edge : std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
-}
-
 Result<Scene> curvedScene(const std::string& source, const PresetOptions& options) {
   if (!options.curved)
     return makeError(ErrorCode::OptionInvalid, "The view 'curved' needs a path of points in the patient.",
@@ -190,6 +182,14 @@ Result<Scene> lensView(const std::string& source, const GridGeometry& grid, cons
 }
 
 }  // namespace
+
+double longestEdge_mm(const GridGeometry& grid) {
+  const glm::dmat3& m = grid.patientFromVoxel.linear;
+  const double edge = std::max({glm::length(m[0]) * static_cast<double>(grid.columns - 1),
+                                glm::length(m[1]) * static_cast<double>(grid.rows - 1),
+                                glm::length(m[2]) * (grid.lastPosition_vox() - grid.firstPosition_vox())});
+  return edge > 0 ? edge : std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
+}
 
 const std::vector<std::string>& viewNames() {
   static const std::vector<std::string> names = [] {

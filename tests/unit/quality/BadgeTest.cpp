@@ -214,6 +214,25 @@ TEST(Badge, RefusesTheWrongFrame) {
             ErrorCode::Cancelled);
 }
 
+// A pixel of a rendering may take milliseconds, so no other is begun once a stop is asked for.
+TEST(Badge, AStopIsHeardBeforeTheNextPixel) {
+  const SliceScene s = phantom(32);
+  const Frame f = drawn(s);
+  setThreads(1);
+  std::stop_source stop;
+  int asked = 0;
+  ErrorOptions options;
+  options.reference.truths[0] = [&](glm::dvec2, glm::dvec4 under) {
+    ++asked;
+    stop.request_stop();
+    return under;
+  };
+  EXPECT_EQ(measureError(f, s.scene, s.view, s.sources, options, stop.get_token()).error().code,
+            ErrorCode::Cancelled);
+  setThreads(0);
+  EXPECT_EQ(asked, 1);
+}
+
 TEST(Badge, SaysWhenThereIsNothingOrTooLittle) {
   SliceScene s = phantom(32);
   s.layer().plane.point = PatientPoint(1000, 1000, 1000);

@@ -55,6 +55,9 @@ VERNIER_API ShellsLayer shellsOfView(const std::string& viewName);
 // elevation 20.
 VERNIER_API Plane obliquePlane(const GridGeometry&);
 
+// Of the box of voxel centres; of a single voxel its own.
+VERNIER_API double longestEdge_mm(const GridGeometry&);
+
 // The voxel axis (0 columns, 1 rows, 2 slices) along which a view with this normal scrolls, and how many
 // slices it has.
 struct SliceAxis {
